@@ -1,10 +1,10 @@
-//! Things kept by their content: whatever the last picture used, and a little of what earlier ones did.
+//! Caches by content: the values that the last picture used, and a limited number of earlier ones.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Values by key, each with a size in bytes. What has not been used by the picture that is being made is given up, the
-/// oldest first, where it takes more than an allowance.
+/// Values by key, each with a size in bytes. Values that the current picture has not used are evicted, the oldest first,
+/// once they exceed an allowance.
 #[derive(Debug)]
 pub(crate) struct Cache<K, V> {
     entries: HashMap<K, Entry<V>>,
@@ -20,7 +20,7 @@ struct Entry<V> {
 }
 
 impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
-    /// Nothing yet; beyond what is in use it may hold so many bytes.
+    /// Creates an empty cache; values that are not in use may take this number of bytes.
     pub(crate) fn new(allowance: usize) -> Self {
         Self {
             entries: HashMap::new(),
@@ -29,14 +29,14 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         }
     }
 
-    /// Returns the value of a key; it is in use from now on.
+    /// Returns the value of a key, and marks it as in use.
     pub(crate) fn get(&mut self, key: &K) -> Option<V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.now;
         Some(entry.value.clone())
     }
 
-    /// Keeps a value that is in use.
+    /// Stores a value that is in use.
     pub(crate) fn put(&mut self, key: K, value: V, bytes: usize) {
         let used = self.now;
         self.entries.insert(key, Entry { value, bytes, used });
@@ -47,7 +47,7 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         self.entries.remove(key);
     }
 
-    /// Ends a picture: what it has not used no longer counts as in use.
+    /// Ends a picture: values that it has not used no longer count as in use.
     pub(crate) fn next(&mut self) {
         let mut idle: Vec<(u64, usize, K)> = self
             .entries
@@ -66,7 +66,7 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         self.now += 1;
     }
 
-    /// The number of entries.
+    /// Returns the number of entries.
     #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
         self.entries.len()

@@ -1,9 +1,9 @@
-//! The camera of the 3D view, and its first place.
+//! The camera of the 3D view, and its initial position.
 //!
-//! Spaces: *world* (the scene's units, f64), *drawing units* ([`Placement`]), *view* (x right, y up, z towards the
-//! eye; the eye at 0), *clip* (greater depth is nearer), pixels. The depth of a perspective camera is `near / w`: 1 at
-//! the near plane, 0 at infinity. An orthographic camera's w is everywhere the distance of its target's plane, and its
-//! depth is linear: 1/2 in that plane.
+//! Spaces: *world* (the scene's units, f64), *drawing units* ([`Placement`]), *view* (x right, y up, z towards the eye; the
+//! eye at 0), *clip* (greater depth is nearer), pixels. The depth of a perspective camera is `near / w`: 1 at the near
+//! plane, 0 at infinity. The w of an orthographic camera is constant, the distance of its target's plane, and its depth is
+//! linear: 1/2 in that plane.
 
 use glam::{DMat4, DVec3, Mat4};
 use tracer::camera::LensCamera;
@@ -15,7 +15,7 @@ use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::style;
 use crate::viewpoint::{Projection, Viewpoint};
 
-/// A camera without a far plane. Places are in drawing units.
+/// A camera without a far plane. Positions are in drawing units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The drawing units.
@@ -37,24 +37,24 @@ pub struct Camera {
 /// The projection of an orthographic camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parallel {
-    /// The distance from the eye to the plane of the target, which is as large in the picture as in perspective.
+    /// The distance from the eye to the plane of the target, in which lengths are as large as in perspective.
     pub distance: f64,
     /// The depth that is drawn on either side of that plane.
     pub reach: f64,
 }
 
-/// Words are of a size in pixels: after so many steps back they are inside the picture.
+/// The number of steps back that bring labels into the picture; their size is in pixels.
 const STEPS_BACK: usize = 4;
 
-/// The depth that an orthographic camera draws, as a multiple of that of the scene's points: samples may lie beyond them.
+/// The depth range of an orthographic camera, as a multiple of that of the scene's points: samples may be beyond them.
 const REACH: f64 = 8.0;
 
 impl Camera {
-    /// A camera that shows the whole scene, or one with the eye and target of a viewpoint.
+    /// Creates a camera that shows the whole scene, or one with the eye and target of a viewpoint.
     ///
-    /// By default it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as the scene's
-    /// points allow; from another side if the middle of a closed surface's domain is seen better from there. A scene that
-    /// lies in a coordinate plane is seen face on.
+    /// By default it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], from the smallest distance at
+    /// which the scene's points fit, or from another side if the centre of a closed surface's domain is more visible from
+    /// there. A scene in a coordinate plane is seen face on.
     ///
     /// # Errors
     /// [`RenderError::Camera`] if eye and target coincide at the scene's size.
@@ -108,8 +108,8 @@ impl Camera {
         Ok(camera)
     }
 
-    /// Steps back until places beside the scene are seen too, which depend on where the camera stands. Cameras that have
-    /// a place of their own stay there.
+    /// Steps back until points beside the scene, which depend on the camera's position, are visible too. Cameras with a
+    /// given position do not move.
     #[must_use]
     pub(crate) fn with_room_for(
         mut self,
@@ -130,15 +130,15 @@ impl Camera {
         self
     }
 
-    /// Puts the plane of an orthographic camera's target at a distance.
+    /// Sets the distance of the plane of an orthographic camera's target.
     fn put_plane(&mut self, distance: f64) {
         if let Some(parallel) = &mut self.parallel {
             parallel.distance = distance;
         }
     }
 
-    /// Moves the near plane half of the way to the nearest of the points, which are in drawing units. An orthographic
-    /// camera has none, and draws as deep as the points lie.
+    /// Moves the near plane half the distance to the nearest of the points, which are in drawing units. An orthographic
+    /// camera has no near plane; its depth range becomes that of the points.
     pub(crate) fn keep_clear_of(&mut self, cloud: &[[f64; 3]]) {
         if let Some(parallel) = &mut self.parallel {
             let plane = self.axes[2].dot(self.eye) - parallel.distance;
@@ -153,7 +153,7 @@ impl Camera {
             .map(|&p| self.axes[2].dot(self.eye - DVec3::from(p)));
         let nearest = reach.fold(f64::INFINITY, f64::min);
         let far = self.eye.length() + 1.0;
-        // Never so near that f32 depths could not separate surfaces.
+        // Limit the ratio of distances, so that f32 depths still separate surfaces.
         self.near = if nearest.is_finite() {
             (0.5 * nearest).clamp(1e-4 * far, far)
         } else {
@@ -166,8 +166,7 @@ impl Camera {
         self.view().as_mat4()
     }
 
-    /// Returns the place of the picture at which a place in drawing units is seen, in pixels; `None` for what lies behind
-    /// the eye.
+    /// Returns the position in the picture of a point in drawing units, in pixels; `None` if the point is behind the eye.
     pub fn pixel_of(&self, place: DrawingPoint) -> Option<PixelPoint> {
         let at = self.view().transform_point3(DVec3::from(place.0));
         let w = self.parallel.map_or(-at.z, |parallel| parallel.distance);
@@ -182,7 +181,7 @@ impl Camera {
         ]))
     }
 
-    /// Returns true if a place in drawing units lies in the picture.
+    /// Returns true if a point in drawing units is inside the picture.
     pub(crate) fn sees(&self, place: DrawingPoint) -> bool {
         let pixel = self.pixel_of(place);
         let [width, height] = self.size.map(f64::from);
@@ -191,7 +190,7 @@ impl Camera {
         })
     }
 
-    /// The depth in clip space of a place in drawing units; 1 for what lies before the near plane, or behind the eye.
+    /// Returns the depth in clip space of a point in drawing units; 1 if it is in front of the near plane or behind the eye.
     pub(crate) fn depth_of(&self, place: DrawingPoint) -> f32 {
         let at = self.view().transform_point3(DVec3::from(place.0));
         let depth = match self.parallel {
@@ -202,7 +201,7 @@ impl Camera {
         depth as f32
     }
 
-    /// The tangents of half the field of view, across and up.
+    /// Returns the tangents of half the field of view, horizontally and vertically.
     pub fn half_tangents(&self) -> [f64; 2] {
         let (opening, side) = match self.opening {
             Some(opening) => (opening, self.size[1]),
@@ -213,7 +212,8 @@ impl Camera {
             .map(|other| tangent * f64::from(other) / f64::from(side))
     }
 
-    /// Pixels of one drawing unit at the distance 1 along the view direction; at the distance w it has 1/w of them.
+    /// Returns the number of pixels of one drawing unit at distance 1 along the view direction; at distance w it is 1/w of
+    /// this.
     pub fn pixels_per_unit(&self) -> f32 {
         (f64::from(self.size[0]) / (2.0 * self.half_tangents()[0])) as f32
     }
@@ -229,7 +229,7 @@ impl Camera {
         rows.transpose() * DMat4::from_translation(-self.eye)
     }
 
-    /// Turns so that `back` points towards the eye and z points up; straight from above or below, y points up.
+    /// Turns the camera so that `back` points towards the eye and z points up; straight from above or below, y points up.
     fn look(&mut self, back: DVec3) {
         let up = if back.x.hypot(back.y) < 1e-6 {
             DVec3::Y
@@ -254,11 +254,11 @@ impl Camera {
     /// Steps back until all points fit, those of the scene and those `beside` it, and aside until they are centred unless
     /// there is a target.
     ///
-    /// A point at (x, y, z) in the camera's axes is inside the picture if |x − cx| ≤ (d − z)·tx: with
-    /// A = max(x + z·tx) and B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.
+    /// A point at (x, y, z) in the camera's axes is inside the picture if |x − cx| ≤ (d − z)·tx: with A = max(x + z·tx) and
+    /// B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.
     fn frame(&mut self, bounds: &Bounds, beside: &[DVec3], target: Option<DVec3>) {
         let tangents = self.half_tangents().map(|t| t * (1.0 - style::MARGIN));
-        // Parallel lines of sight do not part behind the target.
+        // Parallel lines of sight do not diverge behind the target.
         let opening = tangents.map(|t| if self.parallel.is_some() { 0.0 } else { t });
         let origin = target.unwrap_or(DVec3::ZERO);
         let mut most = [[f64::NEG_INFINITY; 2]; 2];
@@ -293,7 +293,7 @@ impl Camera {
             }
             distance = distance.max((a - shift[k]).max(b + shift[k]) / tangents[k]);
         }
-        // A lone point would be looked at from within its own size.
+        // Without this limit, the eye would be inside the disc of a single point.
         let distance = distance.max(0.5);
         self.put_plane(distance);
         self.eye =
@@ -301,8 +301,8 @@ impl Camera {
     }
 }
 
-/// The direction from the scene to the camera's first place: that of [`style::AZIMUTH`], or one of the three at right
-/// angles to it, whichever sees most of the middle of a closed surface's domain.
+/// Returns the direction from the scene to the camera's initial position: that of [`style::AZIMUTH`], or one of the three at
+/// right angles to it, whichever shows most of the centre of a closed surface's domain.
 fn first_direction(bounds: &Bounds) -> DVec3 {
     match flat_axis(bounds.half) {
         Some(2) => DVec3::Z,

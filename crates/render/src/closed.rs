@@ -1,11 +1,11 @@
-//! Closed surfaces, from a coarse grid of their places: the side that is outside, and the way that the middle of the
-//! domain faces.
+//! Detection of closed surfaces from a coarse grid of points: their outside, and the direction that the centre of the domain
+//! faces.
 
 use glam::DVec3;
 
-/// Places count as one if they are nearer than this share of the surface's size.
+/// Points closer than this fraction of the surface's size count as equal.
 const SAME: f64 = 1e-6;
-/// A surface that encloses less than this share of its size cubed has no outside.
+/// A surface that encloses less than this fraction of its size cubed has no outside.
 const FLAT: f64 = 1e-6;
 
 /// A surface whose sides are glued to each other, or shrink to points.
@@ -13,13 +13,13 @@ const FLAT: f64 = 1e-6;
 pub(crate) struct ClosedSurface {
     /// True if σu×σv points outwards.
     pub(crate) points_outwards: bool,
-    /// The unit normal that points outwards, on the average over the middle of the domain.
+    /// The outward unit normal, averaged over the centre of the domain.
     pub(crate) facing: [f64; 3],
 }
 
 impl ClosedSurface {
-    /// Finds out whether a grid of places (those of the first row of v first) is that of a closed surface. Where sides
-    /// are glued turned over, there is no outside.
+    /// Returns the closed surface of a grid of points (row by row, the smallest v first); `None` if the grid is not closed,
+    /// or its sides are glued with a flip, so that it has no outside.
     pub(crate) fn from_grid(grid: &[[f64; 3]], [columns, rows]: [usize; 2]) -> Option<Self> {
         if columns < 3 || rows < 3 || grid.len() < columns * rows {
             return None;
@@ -32,7 +32,7 @@ impl ClosedSurface {
         let low = places().fold(DVec3::INFINITY, DVec3::min);
         let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
         let (middle, size) = (0.5 * low + 0.5 * high, (high - low).max_element());
-        // About the middle, in units of the size: no product overflows.
+        // Relative to the centre, in units of the size: no product overflows.
         let at = |i: usize, j: usize| (DVec3::from(grid[j * columns + i]) - middle) / size;
         let same = |a: DVec3, b: DVec3| a.distance(b) <= SAME;
         let side = |along_u: bool, k: usize| -> Vec<DVec3> {

@@ -1,9 +1,9 @@
-//! The content key of an object: a list of words that is equal for equal objects, in whatever scene and at whatever
-//! place of it: the key by which samples, geodesics and kernels are kept.
+//! The content key of an object: a list of words that is equal for equal objects, in any scene and at any position in it. It
+//! is the key of cached samples, geodesics and kernels.
 //!
-//! An object's [`Structure`] is its expressions, its domain and its kind; with the values of the uniforms that it reads
-//! it becomes a [`Content`]. Expressions are written from their roots down, each node once, so that neither their ids
-//! nor what else the graph holds matters; uniforms are numbered as they are met.
+//! An object's [`Structure`] consists of its expressions, its domain and its kind; with the values of the uniforms that it
+//! reads it becomes a [`Content`]. Expressions are written from their roots down, each node once, so that neither their ids
+//! nor other contents of the graph matter; uniforms are numbered in the order of their first occurrence.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,19 +18,19 @@ use scene::{
 
 use crate::placement::Placement;
 
-/// An object without the values of what it reads.
+/// An object without the values of its uniforms.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
     words: Arc<[u64]>,
-    /// The uniforms, in the order in which they are met.
+    /// The uniforms, in the order of their first occurrence.
     uniforms: Vec<u32>,
 }
 
-/// An object with the values of what it reads. Two objects with equal contents have equal samples.
+/// An object with the values of its uniforms. Two objects with equal contents have equal samples.
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct Content(Arc<[u64]>);
 
-/// Stands before what a list of words goes on with.
+/// Marks the kind of the words that follow it.
 #[derive(Clone, Copy)]
 enum WordTag {
     Constant = 1,
@@ -48,7 +48,7 @@ enum WordTag {
 }
 
 impl Structure {
-    /// The structure of an object; of a geodesic, with the surface that it lies on.
+    /// Returns the structure of an object; for a geodesic, with the surface that it is on.
     pub(crate) fn new(scene: &Scene, object: &Object) -> Self {
         let mut writer = Writer::new(&scene.graph);
         writer.shape(&object.shape);
@@ -58,7 +58,7 @@ impl Structure {
             writer.shape(&on.shape);
         }
         if object.shape.is_geodesic() {
-            // The notes on a geodesic name it.
+            // The notes on a geodesic contain its name.
             writer.text(&object.name);
         }
         let read = object.geodesic_values.iter();
@@ -77,12 +77,12 @@ impl Structure {
         &self.words
     }
 
-    /// The uniforms that it reads, in the order in which they are met.
+    /// Returns the uniforms that it reads, in the order of their first occurrence.
     pub(crate) fn uniforms(&self) -> &[u32] {
         &self.uniforms
     }
 
-    /// All instances of the object, with their values.
+    /// Returns the contents of all instances of the object.
     pub(crate) fn instances(
         &self,
         scene: &Scene,
@@ -90,7 +90,7 @@ impl Structure {
         object: &Object,
     ) -> Content {
         let mut words = self.words.to_vec();
-        // The open grids' axes, and which uniform each of them is.
+        // The open grids' axes, and the uniform of each.
         let mut of_grid = HashMap::new();
         for (number, &id) in object.grids.iter().enumerate() {
             let Some(grid) = scene.grids.get(id.0 as usize) else {
@@ -118,7 +118,7 @@ impl Structure {
         Content(words.into())
     }
 
-    /// One instance of the object, by the values of all uniforms.
+    /// Returns the content of one instance of the object, from the values of all uniforms.
     pub(crate) fn instance(&self, uniforms: &[f64]) -> Content {
         let values = self.uniforms.iter().map(|&k| value(uniforms, k));
         Content(self.words.iter().copied().chain(values).collect())
@@ -140,7 +140,7 @@ impl Content {
     }
 }
 
-/// The content of expressions over a domain, with the values of the uniforms that they read.
+/// Returns the content of expressions over a domain, with the values of the uniforms that they read.
 pub(crate) fn expressions(
     graph: &Graph,
     roots: &[NodeId],
@@ -171,10 +171,10 @@ fn sampling_words(sampling: &Sampling) -> [u64; 3] {
     ]
 }
 
-/// The structures of a scene's objects, written once a scene.
+/// The structures of a scene's objects, computed once for each scene.
 #[derive(Debug, Default)]
 pub(crate) struct Structures {
-    /// The scene is held, so that its address stays its own.
+    /// The scene is held so that its address is not reused.
     of: Option<(Arc<Scene>, Arc<[Structure]>)>,
 }
 
@@ -243,7 +243,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A solid's set, and what its leaves have beside expressions.
+    /// Writes a solid's set, and the other data of its leaves.
     fn solid(&mut self, solid: &Solid) {
         for step in &solid.steps {
             match step {
@@ -261,7 +261,7 @@ impl<'a> Writer<'a> {
             }
         }
         for leaf in &solid.leaves {
-            // Notes name the leaf.
+            // Notes contain the name of the leaf.
             self.text(&leaf.name);
             for cut in &leaf.cuts {
                 let words = cut.map(|cut| {
@@ -281,9 +281,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A value of a geodesic: its numbers are those of what it is computed from.
+    /// Writes a geodesic value: it depends on the values from which it is computed.
     fn geodesic_value(&mut self, value: &GeodesicValue) {
-        // Notes name the geodesic.
+        // Notes contain the name of the geodesic.
         self.text(&value.geodesic);
         let (kind, domain) = match &value.ground {
             Ground::Chart(manifold) => (u64::from(manifold.is_metric), manifold.domain.as_slice()),
@@ -303,7 +303,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The number of a node; it is written, after its operands, when it is first met.
+    /// Returns the number of a node; at its first occurrence the node is written, after its operands.
     fn node(&mut self, root: NodeId) -> u64 {
         let mut stack = vec![root];
         while let Some(&id) = stack.last() {
@@ -313,7 +313,7 @@ impl<'a> Writer<'a> {
             }
             let node = self.graph.node(id);
             let before = stack.len();
-            // The last one pushed is written first: the operands are pushed from right to left.
+            // The last node pushed is written first: the operands are pushed from right to left.
             let mut open: Vec<NodeId> = node.operands().collect();
             open.retain(|operand| !self.written.contains_key(operand));
             stack.extend(open.into_iter().rev());

@@ -1,4 +1,4 @@
-//! Counters of a renderer's work: tests hold to these numbers that nothing is made twice.
+//! Counters of a renderer's work, with which tests check that nothing is computed twice.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -7,16 +7,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct WorkCounters {
     /// Pictures that have been drawn.
     pub pictures: u64,
-    /// Pipelines of painters and passes, and kernels: whatever a driver compiles.
+    /// Pipelines of painters and passes, and kernels: everything that a driver compiles.
     pub pipelines: u64,
     /// Objects whose samples were computed.
     pub sampled: u64,
     /// Geodesic views whose geodesics were followed.
     pub looks: u64,
-    /// Their pixels whose ends were computed here, for colours or for what lies over them.
+    /// Pixels of geodesic views whose ends were computed on the CPU, for colours or for overlays.
     pub ends: u64,
-    /// Rows of up to eight pixels of which the distances to a straight piece of a line over a geodesic view were
-    /// computed.
+    /// Rows of up to eight pixels for which the distances to a straight piece of an overlay line were computed.
     pub distances: u64,
     /// Worlds of solids that were prepared for rays.
     pub worlds: u64,
@@ -24,11 +23,11 @@ pub struct WorkCounters {
     pub rays: u64,
     /// Samples of pixels of traced pictures.
     pub traced: u64,
-    /// Samples of them that a GPU has left to f64.
+    /// Samples of traced pictures that a GPU has left to f64.
     pub retraced: u64,
 }
 
-/// The counts that grow on many threads at once.
+/// The counts that increase on several threads at once.
 #[derive(Debug, Default)]
 pub(crate) struct PixelCounters {
     ends: AtomicU64,
@@ -44,7 +43,7 @@ impl PixelCounters {
         self.ends.fetch_add(count as u64, Ordering::Relaxed);
     }
 
-    /// Adds rows of up to eight pixels of which the distances to a straight piece of a line were computed.
+    /// Adds rows of up to eight pixels for which the distances to a straight piece of a line were computed.
     pub(crate) fn count_distances(&self, count: u64) {
         self.distances.fetch_add(count, Ordering::Relaxed);
     }

@@ -1,4 +1,4 @@
-//! The errors of rendering, as sentences for a reader.
+//! The errors of rendering, as sentences for the user.
 
 use std::fmt;
 
@@ -8,10 +8,10 @@ use geometry::ManifoldError;
 
 /// The longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 16_384;
-/// The factors of widths and of words that a picture may have.
+/// The allowed factors of the widths of lines and the sizes of words.
 pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=20.0;
 
-/// The reason for which there is no picture.
+/// The reason why a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RenderError {
     /// No GPU can be used; `reason` completes "because …".
@@ -28,7 +28,7 @@ pub enum RenderError {
     },
     /// The object has no geodesic view: it is not a surface, or its geodesics cannot be computed.
     Manifold(ManifoldError),
-    /// The geodesic camera cannot stand there: the surface is undefined or has no tangent plane at (u, v).
+    /// The geodesic camera cannot be placed there: the surface is undefined or has no tangent plane at (u, v).
     UndefinedCamera {
         /// The surface's name.
         name: String,

@@ -1,21 +1,21 @@
-//! Figures on a surface: places of which something is measured, as a window and a command line state them.
+//! Figures on a surface: points with a measurement, as specified in a window or on a command line.
 
 /// The kind of a figure.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum FigureKind {
-    /// A place: its curvatures.
+    /// A point: its curvatures.
     #[default]
     Place,
-    /// Two places: the geodesics between them.
+    /// Two points: the geodesics between them.
     Distance,
-    /// A circle about its first place, through the second one or of a given radius.
+    /// A circle about its first point, through the second one or with a given radius.
     Circle,
-    /// Three places: a triangle of shortest geodesics.
+    /// Three points: a triangle of shortest geodesics.
     Triangle,
 }
 
 impl FigureKind {
-    /// All of them, in the order in which they are offered.
+    /// All kinds, in the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::Place, Self::Distance, Self::Circle, Self::Triangle];
 
     /// Its name on the command line.
@@ -28,7 +28,7 @@ impl FigureKind {
         }
     }
 
-    /// The number of its places; of a circle with a radius one is enough.
+    /// Returns the number of its points; a circle with a radius needs only one.
     pub fn places(self) -> usize {
         match self {
             Self::Place => 1,
@@ -38,19 +38,19 @@ impl FigureKind {
     }
 }
 
-/// Places on a surface with what is measured of them. One that lacks places shows those that it has.
+/// Points on a surface with the kind of measurement. A figure with too few points shows those that it has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
     /// Its kind.
     pub kind: FigureKind,
-    /// The places (u, v) in the order of their letters.
+    /// The points (u, v) in the order of their letters.
     pub places: Vec<[f64; 2]>,
-    /// The radius of a circle that does not go through its second place, in the surface's units.
+    /// The radius of a circle that does not pass through its second point, in the surface's units.
     pub radius: Option<f64>,
 }
 
 impl Figure {
-    /// Its places in order, each with its letter from A on.
+    /// Returns its points in order, each with its letter from A on.
     pub fn lettered(&self) -> impl Iterator<Item = (char, [f64; 2])> + '_ {
         ('A'..='Z').zip(self.places.iter().copied())
     }

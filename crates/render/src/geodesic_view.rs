@@ -1,5 +1,5 @@
-//! The geodesic view: its camera ([`PlacedCamera`]), the ends of its geodesics ([`RayEnds`]), and how they become colours
-//! ([`resolve`]).
+//! The geodesic view: its camera ([`PlacedCamera`]), the ends of its geodesics ([`RayEnds`]), and the conversion of ends to
+//! colours ([`resolve`]).
 
 mod camera;
 mod ends;
@@ -20,13 +20,13 @@ use rayon::prelude::*;
 
 use crate::note::Note;
 
-/// An error of this many pixels, but for 1 % of the picture, leaves nothing to look at.
+/// Beyond this error in pixels at 1 % of the pixels, a picture is useless.
 const USELESS: f64 = 100.0;
 
 /// The method by which the geodesics of a geodesic view are integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum PictureMethod {
-    /// The best: the fan, on both backends.
+    /// The best method: the fan, on both backends.
     #[default]
     Auto,
     /// Rays in f64 that all pixels share, interpolated by their Jacobi fields.
@@ -51,7 +51,7 @@ impl PictureMethod {
         }
     }
 
-    /// The interpolation between rays that all pixels share; `None` where each pixel is followed.
+    /// Returns the interpolation between rays that all pixels share; `None` if each pixel is followed separately.
     fn interpolation(self) -> Option<Interpolation> {
         match self {
             Self::Auto | Self::Fan => Some(Interpolation::Hermite),
@@ -66,11 +66,11 @@ impl PictureMethod {
     }
 }
 
-/// Half the period of the hatching of what is not seen, in [`crate::style::pixel_unit`]s.
+/// Half the period of the hatching of unseen areas, in [`crate::style::pixel_unit`]s.
 pub const HATCH: f32 = 5.0;
 /// The radius of the ring around the centre, in [`crate::style::pixel_unit`]s; at least [`LEAST_RING`] pixels.
 pub const RING: f32 = 7.0;
-/// The least radius of the ring in pixels.
+/// The minimum radius of the ring in pixels.
 pub const LEAST_RING: f32 = 3.5;
 
 /// The statuses of pixels that show nothing of the surface.
@@ -82,18 +82,18 @@ pub(crate) const UNSEEN: [Status; 5] = [
     Status::WorkLimit,
 ];
 
-/// Rounds an angle in radians to one that `--angle`, in degrees, gives back exactly.
+/// Rounds an angle in radians so that `--angle`, in degrees, reproduces it exactly.
 fn as_written(angle: f64) -> f64 {
     angle.to_degrees().to_radians()
 }
 
-/// Counts the pixels that show nothing of the surface, by the reason.
+/// Counts the pixels that show nothing of the surface, by reason.
 pub(crate) fn count(status: &[Status]) -> impl Fn(Status) -> usize + use<> {
     const PART: usize = 1 << 14;
     let none = || [0_usize; UNSEEN.len()];
     let counted = status.par_chunks(PART).map(|part| {
         let mut counts = none();
-        // Most parts are seen as a whole, which is tested a vector at a time.
+        // Most parts are entirely visible; this is tested a vector at a time.
         let seen = part
             .iter()
             .fold(true, |all, status| all & (*status == Status::Complete));
@@ -111,7 +111,8 @@ pub(crate) fn count(status: &[Status]) -> impl Fn(Status) -> usize + use<> {
     }
 }
 
-/// Paper and stripe of the hatching of pixels without a colour, sRGB: light, never black, one pair per reason.
+/// Returns the background and stripe colours of the hatching of pixels without a colour, sRGB: light, never black, one pair
+/// for each reason.
 pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     match status {
         Status::Complete | Status::LeftDomain => [[232, 234, 238], [205, 209, 217]],
@@ -122,11 +123,11 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     }
 }
 
-/// The share of a picture that is hatched from which on another camera would show more.
+/// The hatched fraction of a picture from which on another camera is suggested.
 const MOSTLY: f64 = 0.9;
 
-/// Returns notes for a reader of the picture: pixels that show nothing of the surface, of `pixels` in all (`count`
-/// gives the number of each status), the cost of the picture and its estimated error.
+/// Returns notes for the reader of a picture of `pixels` pixels: the number that show nothing of the surface (`count`
+/// returns the number for each status), the cost of the picture and its estimated error.
 pub fn notes(
     pixels: usize,
     count: impl Fn(Status) -> usize,

@@ -1,4 +1,4 @@
-//! The GPU path: wgpu painters and generated kernels. wgpu is used nowhere else.
+//! The GPU path: wgpu painters and generated kernels. wgpu is not used anywhere else.
 //!
 //! ```text
 //! samples.rs: buffers (f64 blocks or a kernel) ──one painter a file──▶ space.rs ──▶ canvas, or tiles in memory
@@ -6,7 +6,7 @@
 //! ends of geodesics (f64) ──geodesic.rs: table of polynomials, resolve pass──▶ canvas, or slabs in memory
 //! ```
 //!
-//! Everything that is built is counted ([`Built`](crate::plan::Built)), and the counts equal
+//! Every resource that is built is counted ([`Built`](crate::plan::Built)), and the counts equal
 //! [`crate::plan::Plan::built`].
 
 mod background;
@@ -38,7 +38,7 @@ pub use blit::{Blit, Blitter};
 pub use canvas::{Canvas, Pixels};
 pub use device::Gpu;
 pub use evaluate::{EvaluateError, evaluate};
-// What a window needs to know of the device that it shares.
+// Re-exports for a window that shares its device.
 pub use wgpu::{Backend as GraphicsApi, DeviceType, PollType, RenderPass};
 
 use crate::error::RenderError;
@@ -46,8 +46,8 @@ use crate::gpu::pipelines::PipelineFactory;
 use crate::placement::Placement;
 use crate::sample::Samples;
 
-/// The samples of an object as its generated kernel computes them: for comparing them with [`crate::sample::sample`].
-/// `None` if its expressions are too large for a shader.
+/// Computes the samples of an object by its generated kernel, for comparison with [`crate::sample::sample`]. Returns `None`
+/// if its expressions are too large for a shader.
 ///
 /// # Errors
 /// [`RenderError::NoGpu`], [`RenderError::Gpu`], [`RenderError::Internal`].
@@ -64,7 +64,7 @@ pub fn kernel_samples(
     })
 }
 
-/// A fault in generated text as an error of rendering; `None` if the expression is only too large for a shader.
+/// Converts a fault in generated text to an error of rendering; `None` if the expression is only too large for a shader.
 fn internal(error: GenerateError) -> Option<RenderError> {
     match error {
         GenerateError::TooLarge { .. } => None,

@@ -1,4 +1,4 @@
-//! The camera of the geodesic view, put on its surface, and the geodesics that it sends out, in f64.
+//! The camera of the geodesic view, placed on its surface, and the geodesics that start from it, in f64.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use crate::sample::DEGENERATE;
 use crate::viewpoint::{GeodesicCamera, Pose};
 use geometry::{Manifold, ManifoldError};
 
-/// The places where the camera is tried first, as shares of the domain: its middle, then others off every symmetry.
+/// The points at which the camera is tried first, as fractions of the domain: its centre, then points off every symmetry.
 const PLACES: [[f64; 2]; 7] = [
     [0.5, 0.5],
     [0.47, 0.53],
@@ -35,16 +35,16 @@ const PLACES: [[f64; 2]; 7] = [
     [0.83, 0.64],
     [0.13, 0.17],
 ];
-/// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
+/// The initial zoom, as a fraction of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
-/// Steps of [`PictureMethod::Rk4Pixel`] for each pixel.
+/// The number of steps of [`PictureMethod::Rk4Pixel`] for each pixel.
 const RK4_STEPS: u32 = 128;
 
-/// The error allowed at a pixel, in pixels.
+/// The maximum error at a pixel, in pixels.
 pub const TOLERANCE: f64 = 0.1;
-/// The error that is allowed in a picture of a view that moves.
+/// The maximum error at a pixel, in pixels, of a view that moves.
 pub const MOVING_TOLERANCE: f64 = 0.5;
-/// The share of it that polynomials between the rays may add.
+/// The fraction of the tolerance that polynomials between the rays may add.
 const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on its surface or metric, with the size of its picture.
@@ -53,7 +53,7 @@ pub struct PlacedCamera {
     manifold: Arc<Manifold>,
     /// The surface or metric, as an object of the scene.
     pub surface: ObjectId,
-    /// A place and two tangent vectors X ⟂ Y of the length [`PlacedCamera::zoom`].
+    /// A point and two tangent vectors X ⟂ Y of the length [`PlacedCamera::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
     pub zoom: f64,
@@ -61,12 +61,13 @@ pub struct PlacedCamera {
     pub uniforms: Vec<f64>,
     /// The method by which geodesics are integrated.
     pub method: PictureMethod,
-    /// The error allowed at a pixel, in pixels.
+    /// The maximum error at a pixel, in pixels.
     tolerance: f64,
     size: [u32; 2],
 }
 
-/// The place (x, y) of a pixel of a picture of this size in the plane of a frame: the shorter side goes from −1 to 1.
+/// Returns the position (x, y) in the plane of a frame of a pixel of a picture of this size: the shorter side ranges from −1
+/// to 1.
 pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64; 2] {
     let [width, height] = size.map(f64::from);
     let per_pixel = 2.0 / width.min(height);
@@ -74,7 +75,7 @@ pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64;
     [x * per_pixel, y * per_pixel]
 }
 
-/// The options of a picture's fan.
+/// Returns the options of a picture's fan.
 pub(super) fn fan_options(
     tolerance: f64,
     interpolation: Interpolation,
@@ -89,7 +90,7 @@ pub(super) fn fan_options(
     }
 }
 
-/// The most evaluations for a picture: however its pixels are followed, they take no more than if each were by itself.
+/// Returns the maximum number of evaluations for a picture: with any method, its pixels take at most as many as separately.
 fn most_evaluations(size: [u32; 2]) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     MapOptions::default()
@@ -97,8 +98,8 @@ fn most_evaluations(size: [u32; 2]) -> u64 {
         .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
 }
 
-/// The estimated errors of ends, in pixels, at every `step`-th pixel of every `step`-th row of a picture; NaN where nothing
-/// is seen.
+/// Returns the estimated errors of ends, in pixels, at every `step`-th pixel of every `step`-th row of a picture; NaN where
+/// nothing is seen.
 pub(super) fn errors<const N: usize>(ends: &dyn Ends<N>, size: [u32; 2], step: u32) -> Vec<f32> {
     let [columns, rows] = size.map(|side| side.div_ceil(step));
     let error = |index: u32| {
@@ -114,8 +115,8 @@ pub(super) fn errors<const N: usize>(ends: &dyn Ends<N>, size: [u32; 2], step: u
 }
 
 impl PlacedCamera {
-    /// Puts a camera on its surface; of a surface that depends on grids, the first instance is taken. A place beyond a
-    /// side that wraps is brought back into the domain.
+    /// Places a camera on its surface; for a surface that depends on grids, on the first instance. A point beyond a side
+    /// that wraps is moved back into the domain.
     ///
     /// # Errors
     /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
@@ -130,8 +131,7 @@ impl PlacedCamera {
         })
     }
 
-    /// Places a camera as [`PlacedCamera::new`] does, on a manifold that may have been made before: the surface's, with
-    /// the given uniforms.
+    /// Places a camera as [`PlacedCamera::new`] does, on an existing manifold: that of the surface with the given uniforms.
     ///
     /// # Errors
     /// As [`PlacedCamera::new`].
@@ -160,7 +160,7 @@ impl PlacedCamera {
         })
     }
 
-    /// The camera by its place, its angle and its zoom.
+    /// Returns the camera as point, angle and zoom.
     pub fn by_angle(&self) -> GeodesicCamera {
         let surface = self.manifold.surface();
         GeodesicCamera {
@@ -174,12 +174,12 @@ impl PlacedCamera {
         }
     }
 
-    /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
+    /// Returns the position (x, y) of a pixel in the plane of the frame: the picture's shorter side ranges from −1 to 1.
     pub(crate) fn picture_place(&self, at: PixelPoint) -> [f64; 2] {
         picture_place(self.size, at)
     }
 
-    /// `[[u min, u max], [v min, v max]]`.
+    /// Returns the domain, `[[u min, u max], [v min, v max]]`.
     pub fn domain(&self) -> [[f64; 2]; 2] {
         self.manifold.surface().domain()
     }
@@ -189,12 +189,12 @@ impl PlacedCamera {
         self.manifold.surface().sides()
     }
 
-    /// The sides that are one point: `[axis][end]`.
+    /// Returns the sides that are single points: `[axis][end]`.
     pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
         self.manifold.apexes()
     }
 
-    /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the share that is done.
+    /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the completed fraction.
     pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> RayEnds {
         let Some(interpolation) = self.method.interpolation() else {
             return RayEnds::Map(self.map(progress));
@@ -228,7 +228,8 @@ impl PlacedCamera {
         }
     }
 
-    /// The ends of all pixels' geodesics pixel by pixel, in f64 on all cores. `progress` receives the share that is done.
+    /// Computes the ends of all pixels' geodesics one by one, in f64 on all cores. `progress` receives the completed
+    /// fraction.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
             PictureMethod::Auto | PictureMethod::Fan => (MapMethod::Fan, self.tolerance),
@@ -246,8 +247,8 @@ impl PlacedCamera {
         exponential_map(surface, &self.frame, self.size, &options, progress)
     }
 
-    /// The estimated errors, in pixels, at every `step`-th pixel of every `step`-th row; `None` where the method does
-    /// not know them pixel by pixel. NaN where nothing is seen.
+    /// Returns the estimated errors, in pixels, at every `step`-th pixel of every `step`-th row; NaN where nothing is seen.
+    /// `None` if the method has no estimate for each pixel.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let interpolation = self.method.interpolation()?;
         let surface = self.manifold.surface();
@@ -269,7 +270,7 @@ impl PlacedCamera {
         Fan::build(surface, frame, self.size, &options)
     }
 
-    /// The uniforms that an object's shape reads, by their numbers.
+    /// Returns the uniforms that an object's shape reads, by their numbers.
     pub(crate) fn uniforms_used(&self, scene: &Scene, object: ObjectId) -> Vec<usize> {
         let roots = scene
             .get(object)
@@ -289,7 +290,7 @@ impl PlacedCamera {
         Self { method, ..self }
     }
 
-    /// Returns the camera with the error that is allowed where a view moves.
+    /// Returns the camera with the tolerance of a view that moves.
     #[must_use]
     pub fn moving(self) -> Self {
         Self {
@@ -298,18 +299,18 @@ impl PlacedCamera {
         }
     }
 
-    /// The surface or metric that it is on.
+    /// Returns the surface or metric that it is on.
     pub fn manifold(&self) -> &Manifold {
         &self.manifold
     }
 
-    /// The picture in pixels.
+    /// Returns the size of the picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 }
 
-/// The frame and the zoom of a camera on a surface.
+/// Returns the frame and the zoom of a camera on a surface.
 ///
 /// # Errors
 /// [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
@@ -351,7 +352,7 @@ fn place(
             mirrored,
         } => (at.unwrap_or_else(|| first_place(surface)), angle, mirrored),
     };
-    // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
+    // The length does not matter yet: the initial zoom is measured from the actual position of the frame.
     let mut unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
         TraceError::OutsideDomain { at, domain } => outside(at, domain),
         _ => undefined(at),
@@ -368,7 +369,7 @@ fn place(
     Ok((unit.zoomed(zoom), zoom))
 }
 
-/// A place with a tangent plane, the domain's middle if that has one.
+/// Returns a point with a tangent plane: the centre of the domain if it has one.
 fn first_place(surface: &dyn Surface) -> [f64; 2] {
     let domain = surface.domain();
     let places = PLACES.map(|share| {
@@ -380,7 +381,7 @@ fn first_place(surface: &dyn Surface) -> [f64; 2] {
     found.unwrap_or(places[0])
 }
 
-/// Returns true if σ is defined and σu, σv span a plane, each taken times its domain's width.
+/// Returns true if σ is defined and σu, σv, each scaled by its domain's width, span a plane.
 fn has_tangent_plane(surface: &dyn Surface, at: [f64; 2]) -> bool {
     let jet = surface.jet(at.into());
     let widths = surface.domain().map(|[low, high]| high - low);
@@ -395,7 +396,7 @@ fn has_tangent_plane(surface: &dyn Surface, at: [f64; 2]) -> bool {
     (a / longest).cross(b / longest).length() > DEGENERATE
 }
 
-/// A zoom that shows a good part of the surface.
+/// Returns a zoom that shows a large part of the surface.
 fn first_zoom(surface: &dyn Surface, at: [f64; 2]) -> f64 {
     const STEPS: u32 = 64;
     let domain = surface.domain();

@@ -1,7 +1,7 @@
-//! The ends of all pixels' geodesics, and the pictures that are made of them.
+//! The ends of all pixels' geodesics, and the pictures made of them.
 //!
-//! Ends flow in, colours flow out, and over them what is laid on row by row while the ends are at hand ([`Layer`]): a
-//! table's polynomials are evaluated once for each pixel, and all layers share the results.
+//! In: ends. Out: colours, and over them layers ([`Layer`]), drawn row by row while the ends are in the cache: a table's
+//! polynomials are evaluated once for each pixel, and all layers share the results.
 
 use std::borrow::Cow;
 
@@ -19,39 +19,39 @@ use crate::counters::PixelCounters;
 /// The ends of the geodesics of all pixels.
 #[derive(Clone, Debug)]
 pub enum RayEnds {
-    /// Polynomials between rays that the pixels share.
+    /// Polynomials between shared rays.
     Piecewise {
         /// The ends.
         piecewise: Box<PiecewiseMap>,
-        /// The work that it took.
+        /// The work to compute them.
         work: GeodesicWork,
         /// Its estimated error.
         estimate: Estimate,
     },
-    /// Pixel by pixel.
+    /// One end for each pixel.
     Map(Map),
 }
 
-/// The ends of the pixels of some whole rows, as in [`Map`].
+/// The ends of the pixels of several whole rows, as in [`Map`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EndsOfRows<'a> {
-    /// The number of the first of the rows.
+    /// The index of the first row.
     pub(crate) first: usize,
     pub(crate) origin: [f64; 2],
     pub(crate) offset: &'a [[f32; 2]],
-    /// Empty where they are not known.
+    /// Empty if unknown.
     pub(crate) by_pixel: &'a [[f32; 4]],
     pub(crate) status: &'a [Status],
 }
 
-/// A layer over those pixels that show the surface; it follows from their ends. It leaves other pixels alone.
+/// A layer over the pixels that show the surface, computed from their ends. It does not change other pixels.
 pub(crate) trait Layer: Sync {
-    /// Lays it over the RGBA of some whole rows.
+    /// Draws the layer over the RGBA pixels of several whole rows.
     fn lay(&self, ends: EndsOfRows<'_>, pixels: &mut [u8]);
 }
 
 impl RayEnds {
-    /// Returns the work that it took.
+    /// Returns the work to compute them.
     pub fn work(&self) -> GeodesicWork {
         match self {
             Self::Piecewise { work, .. } => *work,
@@ -59,7 +59,7 @@ impl RayEnds {
         }
     }
 
-    /// Returns its estimated error, as far as the method knows it.
+    /// Returns its estimated error, if the method has one.
     pub fn estimate(&self) -> Option<Estimate> {
         match self {
             Self::Piecewise { estimate, .. } => Some(*estimate),
@@ -67,7 +67,7 @@ impl RayEnds {
         }
     }
 
-    /// All pixels' ends.
+    /// Returns all pixels' ends.
     pub(crate) fn map(&self, counters: &PixelCounters) -> Cow<'_, Map> {
         match self {
             Self::Piecewise { piecewise, .. } => {
@@ -91,12 +91,12 @@ impl RayEnds {
         }
     }
 
-    /// The picture, and each pixel's status.
+    /// Returns the picture, and each pixel's status.
     pub fn resolve(&self, paint: &Paint) -> (RgbaImage, Vec<Status>) {
         self.resolve_under(paint, None, &PixelCounters::default())
     }
 
-    /// The picture with a layer over it, and each pixel's status.
+    /// Returns the picture with a layer over it, and each pixel's status.
     pub(crate) fn resolve_under(
         &self,
         paint: &Paint,
@@ -119,7 +119,7 @@ impl RayEnds {
         }
     }
 
-    /// Lays a layer over a picture of these ends that was coloured elsewhere.
+    /// Draws a layer over a picture of these ends that was coloured elsewhere.
     pub(crate) fn lay(&self, image: &mut RgbaImage, layer: &dyn Layer, counters: &PixelCounters) {
         let band = BLOCK as usize * image.width() as usize;
         if band == 0 {

@@ -1,7 +1,7 @@
-//! From a map of geodesics' ends to colours.
+//! The conversion of a map of geodesics' ends to colours.
 //!
-//! A pixel shows the image's own colour times the surface's: no light, no gamma change. Its footprint in the image is
-//! what the map knows of its derivative; where it knows none, the difference to the pixel's neighbours.
+//! A pixel shows the image's colour times the surface's, without light or gamma change. Its footprint in the image is given
+//! by the map's derivative, or by the differences to the neighbouring pixels if the derivative is unknown.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -18,7 +18,7 @@ use super::{EndsOfRows, HATCH, LEAST_RING, Layer, RING, UNSEEN, hatching};
 use crate::style;
 use crate::texture::{Sampler, Texture};
 
-/// Pixels that go through each stage together.
+/// The number of pixels that pass each stage together.
 const STRIP: usize = 32;
 
 /// The textures and colours that a map is coloured with.
@@ -30,11 +30,11 @@ pub struct Paint<'a> {
     pub colour: [f32; 3],
     /// `[[u min, u max], [v min, v max]]`: one width of the domain is one width of the image.
     pub domain: [[f64; 2]; 2],
-    /// Beyond sides that wrap, the image goes on; beyond a flip it is mirrored. At other sides it ends.
+    /// Beyond sides that wrap, the image continues, mirrored beyond a flip. At other sides it ends.
     pub sides: Sides,
     /// True if the centre is marked by an open ring.
     pub mark_centre: bool,
-    /// True if a picture at once is worth more than a fine one: what is seen at a flat angle is then blurred.
+    /// True if speed matters more than quality: surfaces at a grazing angle are then blurred.
     pub coarse: bool,
 }
 
@@ -73,8 +73,8 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
     image
 }
 
-/// Colours a piecewise map, on all cores: some rows are computed, coloured and laid over while they are in the cache. Gives
-/// each pixel's status too.
+/// Colours a piecewise map, on all cores. Several rows at a time are computed, coloured and overlaid while they are in the
+/// cache. Also returns each pixel's status.
 pub(super) fn resolve_piecewise(
     piecewise: &PiecewiseMap,
     paint: &Paint,
@@ -134,7 +134,7 @@ pub(super) fn resolve_piecewise(
                 layer.lay(ends, pixels);
             }
         });
-    // A hatching has a border beside what is seen, perhaps in other rows: it comes last. A layer has left it alone.
+    // Hatching depends on the neighbourhood, perhaps in other rows, so it comes last. Layers do not change these pixels.
     hatch(&mut image, &status);
     if let Some(ring) = &ring {
         ring.mark(&mut image, 0, |index| status[index] != Status::Complete);
@@ -142,7 +142,7 @@ pub(super) fn resolve_piecewise(
     (image, status)
 }
 
-/// Hatches what is not seen.
+/// Hatches the pixels that show nothing.
 pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
@@ -173,7 +173,7 @@ pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
                     pixels[run.clone()].copy_from_slice(stripes);
                 }
             }
-            // Something of the surface is seen within the reach of the border's pixels.
+            // Some of the surface is visible within the border's width.
             let around = y.saturating_sub(reach)..(y + reach + 1).min(rows.len());
             for (other, row) in around.clone().zip(&rows[around]) {
                 let down = other.abs_diff(y);
@@ -187,7 +187,7 @@ pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
         });
 }
 
-/// The runs of pixels of a row that see nothing of the surface for one reason.
+/// Returns the runs of pixels of a row that see nothing of the surface for one reason.
 fn unseen_runs(row: &[Status]) -> Vec<(Range<usize>, Status)> {
     // Most rows have none: a count needs no branches.
     let complete = row.iter().filter(|&&it| it == Status::Complete).count();
@@ -203,7 +203,7 @@ fn unseen_runs(row: &[Status]) -> Vec<(Range<usize>, Status)> {
         .collect()
 }
 
-/// The runs of pixels of a row that see the surface.
+/// Returns the runs of pixels of a row that see the surface.
 fn seen_runs(row: &[Status]) -> Vec<Range<usize>> {
     let mut end = 0;
     let complete = |status: &Status| *status == Status::Complete;
@@ -216,7 +216,7 @@ fn seen_runs(row: &[Status]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// The parts of unseen runs that are at most so many pixels away from seen ones.
+/// Returns the parts of unseen runs that are at most `pixels` pixels away from seen ones.
 fn near(
     unseen: &[(Range<usize>, Status)],
     seen: &[Range<usize>],
@@ -239,14 +239,14 @@ fn near(
     parts
 }
 
-/// An image as it goes on beyond the domain's sides.
+/// An image continued beyond the domain's sides.
 pub(crate) struct Cover {
     pub(crate) texture: Arc<Texture>,
     /// The sides at which it repeats.
     pub(crate) repeats: [bool; 2],
     /// The domain's minima.
     low: [f64; 2],
-    /// Its width and height in (u,v).
+    /// The width and height of the cover in (u,v).
     pub(crate) period: [f64; 2],
 }
 
@@ -264,12 +264,12 @@ impl Cover {
         }
     }
 
-    /// A point in widths of the cover, from its minimum.
+    /// Returns a point in widths of the cover, from its minimum.
     pub(crate) fn share(&self, at: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (at[k] - self.low[k]) / self.period[k])
     }
 
-    /// The image about a point, in units of (u,v).
+    /// Returns a sampler of the image about a point, in units of (u,v).
     fn sampler(&self, origin: [f64; 2], coarse: bool) -> Sampler<'_> {
         let unit = self.period.map(|period| 1.0 / period);
         let sampler = Sampler::new(&self.texture, self.share(origin), unit, self.repeats);
@@ -277,9 +277,9 @@ impl Cover {
     }
 }
 
-/// Some of the given rows of the picture. What is not seen is left as it is.
+/// Several rows of the picture. Pixels that show nothing are left unchanged.
 struct ImageRows<'a> {
-    /// The width of the given rows.
+    /// The width of the rows.
     width: usize,
     height: usize,
     /// As in [`Map`].
@@ -289,7 +289,7 @@ struct ImageRows<'a> {
     tint: [f32; 3],
     cover: &'a Cover,
     sampler: &'a Sampler<'a>,
-    /// The index of the first row that is wanted.
+    /// The index of the first row to be drawn.
     top: usize,
     pixels: &'a mut [u8],
 }
@@ -301,7 +301,7 @@ impl Work for ImageRows<'_> {
     fn run(mut self) {
         let pixels = std::mem::take(&mut self.pixels);
         let rows = pixels.len() / (4 * self.width);
-        // Strips under one another see neighbouring texels, which are in the cache for all of them.
+        // Strips below each other read neighbouring texels, which stay in the cache.
         for first in (0..self.width).step_by(STRIP) {
             let count = STRIP.min(self.width - first);
             for row in 0..rows {
@@ -318,7 +318,7 @@ fn is_finite(x: f32) -> bool {
 }
 
 impl ImageRows<'_> {
-    /// Colours pixels of a row from a column on.
+    /// Colours pixels of a row, starting at a column.
     #[inline(always)]
     fn strip(&self, y: usize, first: usize, pixels: &mut [u8]) {
         let count = pixels.len() / 4;
@@ -329,7 +329,7 @@ impl ImageRows<'_> {
         let mut at = [[0.0; STRIP]; 2];
         let mut light = [[0.0; STRIP]; 3];
         for k in 0..count {
-            // What has no end is looked up where the camera is, and not shown.
+            // Pixels without an end read the texel at the camera, and are not shown.
             let complete = status[k] == Status::Complete;
             let [u, v] = offset[k];
             at[0][k] = if complete { u } else { 0.0 };
@@ -363,7 +363,7 @@ impl ImageRows<'_> {
         style::encode_pixels(&light, pixels);
     }
 
-    /// Gives pixels of a strip, from a column on, whose derivatives are not known the differences to their neighbours.
+    /// Sets unknown derivatives of a strip's pixels, starting at a column, to the differences to their neighbours.
     #[inline(never)]
     fn fill_unknown(
         &self,
@@ -389,8 +389,8 @@ impl ImageRows<'_> {
         }
     }
 
-    /// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
-    /// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
+    /// Returns the differences of a pixel's end to those of its horizontal and vertical neighbours, each the shorter of both
+    /// sides' and to the nearest repetition of the image: a seam, at which the chart jumps, is not an edge of the picture.
     #[inline(never)]
     fn differences(&self, x: usize, y: usize) -> [f32; 4] {
         let (width, cover) = (self.width, self.cover);
@@ -410,7 +410,7 @@ impl ImageRows<'_> {
             })
         };
         let shorter = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| {
-            // In widths of the image, so that both coordinates count.
+            // Measured in widths of the image, so that both coordinates count.
             let square = |d: [f32; 2]| -> f64 {
                 let of = |k: usize| (f64::from(d[k]) / cover.period[k]).powi(2);
                 of(0) + of(1)
@@ -436,9 +436,9 @@ impl ImageRows<'_> {
 
 /// The colours of pixels that show nothing of the surface for one reason.
 struct Hatching {
-    /// Beside what is seen.
+    /// The colour beside seen pixels.
     border: [u8; 4],
-    /// Elsewhere, by the sum of column and row.
+    /// The colours elsewhere, by the sum of column and row.
     stripes: Vec<[u8; 4]>,
 }
 
@@ -459,7 +459,7 @@ impl Hatching {
     }
 }
 
-/// The hatching itself: stripes at 45°, their edges softened over a pixel. `place` is the sum of a pixel's column and
+/// Returns the hatching itself: stripes at 45° with edges softened over a pixel. `place` is the sum of a pixel's column and
 /// row, `unit` its [`style::pixel_unit`].
 pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
     let [paper, stripe] = hatching(status).map(style::linear);
@@ -470,17 +470,16 @@ pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
     std::array::from_fn(|k| paper[k] + share * (stripe[k] - paper[k]))
 }
 
-/// An open ring about the centre: white with a dark rim, so that it is seen on anything; what lies in the centre stays
-/// free.
+/// An open ring about the centre, white with a dark rim, so that it is visible on any background and leaves the centre free.
 pub(crate) struct Ring {
     size: [u32; 2],
     radius: f32,
-    /// Half its width.
+    /// Half the width of the ring.
     half: f32,
 }
 
 impl Ring {
-    /// The requested ring. A picture of less than 32 pixels has no room for it.
+    /// Returns the requested ring. A picture of less than 32 pixels has no room for it.
     pub(crate) fn of(mark_centre: bool, size: [u32; 2]) -> Option<Self> {
         let unit = style::pixel_unit(size);
         (mark_centre && size[0].min(size[1]) >= 32).then_some(Self {
@@ -490,8 +489,8 @@ impl Ring {
         })
     }
 
-    /// Lays it over some whole rows of the picture, the first of which is `top`, but only over the pixels that are
-    /// wanted, by their index among these.
+    /// Draws the ring over several whole rows of the picture, the first of which is `top`, but only over the pixels for
+    /// which `wanted` is true, by their index in these rows.
     pub(crate) fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
         let [width, height] = self.size;
         let reach = (self.radius + 2.2 * self.half + 1.0).ceil() as u32;

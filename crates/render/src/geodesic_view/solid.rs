@@ -1,4 +1,4 @@
-//! The camera of the geodesic view on a solid, and the ends of its geodesics, in space.
+//! The camera of the geodesic view on a solid, and the ends of its geodesics in space.
 
 use std::sync::Arc;
 
@@ -18,10 +18,9 @@ use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::viewpoint::{GeodesicCamera, Pose};
 
-/// The first zoom as a share of the longest side of the solid's box: on a ball as much of it is seen as on a sphere with
-/// parameters.
+/// The initial zoom as a fraction of the longest side of the solid's box: a ball shows as much as a sphere with parameters.
 const FIRST_ZOOM: f64 = 0.55 * std::f64::consts::FRAC_PI_2;
-/// The share of the tolerance that polynomials between the rays may add.
+/// The fraction of the tolerance that polynomials between the rays may add.
 const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on a solid, with the size of its picture.
@@ -30,7 +29,7 @@ pub struct PlacedSolidCamera {
     solid: Arc<SolidSurface>,
     /// The solid, as an object of the scene.
     pub object: ObjectId,
-    /// A place and two tangent vectors X ⟂ Y of the length of the zoom.
+    /// A point and two tangent vectors X ⟂ Y of the length of the zoom.
     pub frame: SpaceFrame,
     method: PictureMethod,
     tolerance: f64,
@@ -38,7 +37,7 @@ pub struct PlacedSolidCamera {
 }
 
 impl PlacedSolidCamera {
-    /// Puts a camera on its solid, which is that for these values of the params.
+    /// Places a camera on its solid, for these values of the params.
     ///
     /// # Errors
     /// [`RenderError::Manifold`], [`RenderError::Camera`].
@@ -53,7 +52,7 @@ impl PlacedSolidCamera {
         Self::on(solid, name, camera, size)
     }
 
-    /// Puts a camera on a solid that has been compiled.
+    /// Places a camera on a compiled solid.
     ///
     /// # Errors
     /// [`RenderError::Camera`].
@@ -116,7 +115,7 @@ impl PlacedSolidCamera {
         Self { method, ..self }
     }
 
-    /// Returns the camera with the error that is allowed where a view moves.
+    /// Returns the camera with the tolerance of a view that moves.
     #[must_use]
     pub fn moving(self) -> Self {
         Self {
@@ -125,7 +124,7 @@ impl PlacedSolidCamera {
         }
     }
 
-    /// The camera by its place, its angle and its zoom.
+    /// Returns the camera as point, angle and zoom.
     pub fn by_angle(&self) -> GeodesicCamera {
         let angle = self.frame.angle(self.solid.surface());
         GeodesicCamera {
@@ -141,7 +140,7 @@ impl PlacedSolidCamera {
     /// Returns the camera after a step (x, y), in units of its frame, along a geodesic.
     ///
     /// # Errors
-    /// [`RenderError::Camera`] where it cannot walk there.
+    /// [`RenderError::Camera`] if the geodesic does not reach that far.
     pub fn walked(&self, step: [f64; 2]) -> Result<GeodesicCamera, RenderError> {
         let surface = self.solid.surface();
         let walked = self.frame.advance(surface, step, &Options::default());
@@ -154,8 +153,8 @@ impl PlacedSolidCamera {
         })
     }
 
-    /// The estimated errors of a picture by rays, in pixels, at every `step`-th pixel of every `step`-th row, NaN where
-    /// nothing is seen; `None` where the method does not know them, or the solid has no tangent plane.
+    /// Returns the estimated errors of a picture by rays, in pixels, at every `step`-th pixel of every `step`-th row, NaN
+    /// where nothing is seen; `None` if the method has no estimates, or the solid has no tangent plane.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let fan = self.fan(self.method.interpolation()?)?;
         Some(errors(&fan, self.size, step))
@@ -166,7 +165,7 @@ impl PlacedSolidCamera {
         SpaceFan::build(self.solid.surface(), &self.frame, self.size, &options)
     }
 
-    /// The picture in pixels.
+    /// Returns the size of the picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
@@ -176,12 +175,12 @@ impl PlacedSolidCamera {
         &self.solid
     }
 
-    /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
+    /// Returns the position (x, y) of a pixel in the plane of the frame: the picture's shorter side ranges from −1 to 1.
     pub(crate) fn picture_place(&self, at: PixelPoint) -> [f64; 2] {
         picture_place(self.size, at)
     }
 
-    /// The ends of all pixels' geodesics, on all cores. `progress` receives the share that is done.
+    /// Computes the ends of all pixels' geodesics, on all cores. `progress` receives the completed fraction.
     ///
     /// # Errors
     /// [`RenderError::Camera`] for a method that needs parameters.

@@ -1,19 +1,19 @@
-//! Work on a thread of its own, such as compiling a shader, that nothing has to wait for.
+//! Work on a separate thread, such as compiling a shader, that no picture has to wait for.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
-/// A value that a thread builds, or has built. Dropping it waits for the thread.
+/// A value that a thread builds or has built. Dropping it waits for the thread.
 #[derive(Debug)]
 pub(crate) struct BackgroundBuild<T> {
-    /// The value, or the message of the failure.
+    /// The value, or the error message.
     outcome: Arc<OnceLock<Result<T, String>>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl<T: Send + Sync + 'static> BackgroundBuild<T> {
-    /// Starts to build a value on a thread with a name. A panic of `work` is a failure, and so is a system that refuses the
+    /// Starts to build a value on a named thread. A panic of `work` counts as a failure, as does a failure to start the
     /// thread.
     pub(crate) fn start(
         name: &str,
@@ -24,12 +24,12 @@ impl<T: Send + Sync + 'static> BackgroundBuild<T> {
         let work = move || {
             let built = catch_unwind(AssertUnwindSafe(work));
             let built = built.unwrap_or_else(|_| Err("internal error: building it failed".into()));
-            // Nobody else sets it.
+            // Only this thread sets it.
             let _ = result.set(built);
         };
         let thread = thread::Builder::new().name(name.to_owned()).spawn(work);
         if let Err(error) = &thread {
-            // Without a thread, nobody else sets it.
+            // Without a thread, nothing else sets it.
             let _ = outcome.set(Err(error.to_string()));
         }
         Self {
@@ -45,7 +45,7 @@ impl<T> BackgroundBuild<T> {
         self.outcome.get().is_none()
     }
 
-    /// Returns the value or the message of the failure; `None` while it is being built.
+    /// Returns the value or the error message; `None` while it is being built.
     pub(crate) fn get(&self) -> Option<&Result<T, String>> {
         self.outcome.get()
     }
@@ -58,9 +58,9 @@ impl<T> BackgroundBuild<T> {
 
 impl<T> Drop for BackgroundBuild<T> {
     fn drop(&mut self) {
-        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
+        // The process may end next, which unloads the driver: a thread that still uses it would crash the process.
         if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been reported where it occurred.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }

@@ -1,7 +1,7 @@
-//! Pictures onto the target of somebody else, such as a window: canvas in, its pixels out, as they are.
+//! Copies of pictures onto a foreign target, such as a window. In: a canvas. Out: its pixels, unchanged.
 //!
-//! A window's own way to paint an image blends it, with a shader for all that a window paints. Where the processor is the
-//! GPU, that is most of what a frame costs.
+//! A window's own way to paint an image blends it, with a shader for everything that a window paints. If the processor
+//! emulates the GPU, that is most of the cost of a frame.
 
 use wgsl::library;
 
@@ -14,11 +14,11 @@ use crate::gpu::device::Gpu;
 pub struct Blitter {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
-    /// The target takes linear light, and keeps sRGB.
+    /// True if the target receives linear light and stores sRGB.
     is_linear: bool,
 }
 
-/// A canvas that is ready to be copied.
+/// A canvas prepared for copying.
 #[derive(Debug)]
 pub struct Blit {
     canvas: Canvas,
@@ -26,14 +26,14 @@ pub struct Blit {
 }
 
 impl Blit {
-    /// The canvas.
+    /// Returns the canvas.
     pub fn canvas(&self) -> &Canvas {
         &self.canvas
     }
 }
 
 impl Blitter {
-    /// A pass for targets of a format, which have one sample a pixel and no depth.
+    /// Creates a pass for targets of a format, with one sample per pixel and no depth.
     ///
     /// # Errors
     /// [`RenderError::Gpu`], [`RenderError::Internal`].
@@ -84,9 +84,9 @@ impl Blitter {
         })
     }
 
-    /// Makes a canvas ready to be copied.
+    /// Prepares a canvas for copying.
     pub fn ready(&self, gpu: &Gpu, canvas: Canvas) -> Blit {
-        // Bytes stay as they are: where the target turns light into sRGB, the canvas turns it back first.
+        // The bytes must not change: if the target converts light to sRGB, the canvas view converts it back first.
         let view = if self.is_linear {
             canvas.target()
         } else {
@@ -109,8 +109,8 @@ impl Blitter {
         Blit { canvas, bindings }
     }
 
-    /// Copies a picture onto the rectangle left, top, width, height, in pixels. It is stretched, unless it is as large
-    /// but for a pixel: then each of its pixels is one of the target's.
+    /// Copies a picture onto the rectangle left, top, width, height, in pixels. It is stretched, unless the sizes differ by
+    /// at most a pixel: then each of its pixels is copied to one pixel of the target.
     pub fn copy(&self, pass: &mut wgpu::RenderPass<'_>, blit: &Blit, rectangle: [f32; 4]) {
         let [left, top, width, height] = rectangle;
         let own = blit.canvas.size().map(|side| side as f32);

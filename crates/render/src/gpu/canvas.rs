@@ -1,4 +1,4 @@
-//! Textures that pictures are drawn on: kept, handed out, and taken back when no handle refers to them.
+//! A pool of textures on which pictures are drawn; a texture is reused when no handle refers to it.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use crate::gpu::device::Gpu;
 use crate::gpu::pipelines::COLOUR_FORMAT;
 use crate::gpu::space::straighten;
 
-/// The number of unused canvases that are kept: panes are drawn again at the size that they had.
+/// The number of unused canvases in the pool: panes are drawn again at the same size.
 const IDLE: usize = 4;
 
-/// The pixels of a picture, wherever they are.
+/// The pixels of a picture, in memory or on a GPU.
 #[derive(Clone, Debug)]
 pub enum Pixels {
     /// sRGB, top row first, in memory: drawn by the software path, or for a file.
@@ -21,7 +21,7 @@ pub enum Pixels {
     Texture(Canvas),
 }
 
-/// A picture on a GPU. Clones are the same canvas; it may be drawn on again once all of them are gone.
+/// A picture on a GPU. Clones are the same canvas; it may be reused once all of them are dropped.
 #[derive(Clone, Debug)]
 pub struct Canvas(Arc<Inner>);
 
@@ -66,8 +66,7 @@ impl Canvas {
         }))
     }
 
-    /// A canvas with the pixels of a picture in memory, RGBA in rows from the top, sRGB with their alpha multiplied
-    /// into them.
+    /// Creates a canvas from pixels in memory: RGBA in rows from the top, sRGB with premultiplied alpha.
     ///
     /// # Errors
     /// [`RenderError::Gpu`].
@@ -77,7 +76,7 @@ impl Canvas {
         Ok(canvas)
     }
 
-    /// Takes other pixels over, as [`Canvas::with_pixels`] does. What has been submitted still shows those before.
+    /// Replaces the pixels, in the format of [`Canvas::with_pixels`]. Submitted work still shows the previous pixels.
     ///
     /// # Errors
     /// [`RenderError::Gpu`].
@@ -100,12 +99,12 @@ impl Canvas {
         })
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.0.size
     }
 
-    /// The picture's bytes as they are, sRGB with their alpha multiplied into them: of the format `Rgba8Unorm`.
+    /// Returns a view of the picture's bytes, sRGB with premultiplied alpha, in the format `Rgba8Unorm`.
     pub fn view(&self) -> &wgpu::TextureView {
         &self.0.bytes
     }
@@ -115,7 +114,7 @@ impl Canvas {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// Copies the picture into memory, its alpha beside its colours. Waits for the GPU.
+    /// Copies the picture into memory, with straight alpha. Waits for the GPU.
     ///
     /// # Errors
     /// [`RenderError::Gpu`] if the device is lost.
@@ -139,7 +138,7 @@ impl Canvas {
         &self.0.texture
     }
 
-    /// The attachment that is drawn into, in linear light.
+    /// Returns the attachment for drawing, in linear light.
     pub(crate) fn target(&self) -> &wgpu::TextureView {
         &self.0.target
     }
@@ -169,7 +168,7 @@ impl Canvas {
     }
 }
 
-/// Canvases that have been handed out, and idle ones.
+/// The canvases in use, and idle ones.
 #[derive(Debug, Default)]
 pub(crate) struct Canvases(Vec<Canvas>);
 
@@ -180,7 +179,7 @@ impl Canvases {
         if let Some(at) = self.0.iter().position(idle) {
             return self.0[at].clone();
         }
-        // The idle ones that were made last are kept: they have the sizes that panes have now.
+        // Keep the newest idle canvases: they have the current sizes of panes.
         let mut kept = 0;
         for at in (0..self.0.len()).rev() {
             if self.0[at].is_idle() {

@@ -1,4 +1,4 @@
-//! Painter of curves: strips with round joins.
+//! The painter of curves: strips with round joins.
 
 use crate::gpu::glyphs::GlyphKind;
 use crate::style;

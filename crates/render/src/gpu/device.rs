@@ -1,4 +1,4 @@
-//! The device: opened once a process, its errors caught, its buffers made and read back.
+//! The device: opened once per process; creation and reading of buffers, and error handling.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock, mpsc};
 use super::platform;
 use crate::error::RenderError;
 
-/// An open device. wgpu's own handler of errors panics; here scopes catch them.
+/// An open device. wgpu's default error handler panics; here scopes catch the errors.
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -21,25 +21,25 @@ pub struct Gpu {
 /// The faults of a device.
 #[derive(Debug, Default)]
 struct Faults {
-    /// The reason why it is gone, once it is.
+    /// The reason why it is lost, once it is.
     loss: OnceLock<String>,
-    /// Shaders of samples are refused, for tests.
+    /// True if shaders of samples are refused, for tests.
     refuses: AtomicBool,
 }
 
-/// The devices that a process has opened, or the reasons for which it has none.
+/// The device that a process has opened, or the reason why it has none.
 type Opened = OnceLock<Result<Arc<Gpu>, String>>;
 
-/// The process's device.
+/// Returns the process's device.
 ///
 /// # Errors
-/// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
+/// [`RenderError::NoGpu`] if there is no driver or no device; this is not tried again.
 pub(crate) fn open() -> Result<&'static Arc<Gpu>, RenderError> {
     static GPU: Opened = OnceLock::new();
     opened(&GPU, Adapters::All)
 }
 
-/// Returns the device that is kept in a place, opened on the first call.
+/// Returns the device stored in `place`, opened on the first call.
 fn opened(place: &'static Opened, adapters: Adapters) -> Result<&'static Arc<Gpu>, RenderError> {
     place
         .get_or_init(|| Gpu::find(adapters).map(Arc::new))
@@ -52,9 +52,9 @@ fn opened(place: &'static Opened, adapters: Adapters) -> Result<&'static Arc<Gpu
 /// The adapters that may be opened.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Adapters {
-    /// All, also drivers that draw on the processor.
+    /// All adapters, including drivers that draw on the processor.
     All,
-    /// GPUs.
+    /// Real GPUs.
     Real,
 }
 
@@ -65,7 +65,7 @@ impl Gpu {
         }
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.flags = wgpu::InstanceFlags::empty();
-        // OpenGL lacks what the passes need; where it is all there is, the software path draws.
+        // OpenGL lacks features that the passes need; if nothing else is available, the software path draws.
         description.backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(description);
         let options = wgpu::RequestAdapterOptions {
@@ -81,7 +81,7 @@ impl Gpu {
             return Err(format!("the only driver, {name}, runs on the processor"));
         }
         let offered = adapter.limits();
-        // The default limits, but buffers and textures as large as the adapter has them.
+        // The default limits, except for buffers and textures, which may be as large as the adapter allows.
         let limits = wgpu::Limits {
             max_buffer_size: offered.max_buffer_size,
             max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
@@ -101,17 +101,17 @@ impl Gpu {
         })
     }
 
-    /// A device of its own.
+    /// Opens a device of its own.
     ///
     /// # Errors
-    /// [`RenderError::NoGpu`] where there is no driver or no device.
+    /// [`RenderError::NoGpu`] if there is no driver or no device.
     pub fn open() -> Result<Self, RenderError> {
         Self::find(Adapters::All).map_err(|reason| RenderError::NoGpu { reason })
     }
 
-    /// Destroys the device for all of its users, as if it were lost.
+    /// Destroys the device for all its users, as if it were lost.
     pub fn destroy(&self) {
-        // The driver's own report of it may come later.
+        // The driver's own report of the loss may come later.
         self.faults.lose("it was destroyed");
         self.device.destroy();
     }
@@ -126,12 +126,12 @@ impl Gpu {
         self.faults.refuses.load(Ordering::Relaxed)
     }
 
-    /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its loss is caught
-    /// here, and reported with the next picture; `lost` is called when it is gone, on any thread.
+    /// Adopts a device that another user, such as a window, has opened, with its adapter's name. From now on its loss is
+    /// detected here, and reported with the next picture; `lost` is called on any thread when it is lost.
     ///
-    /// Each use of it here has scopes of its own for errors. An error outside of them is another user's, and no
-    /// picture's: a window that is resized while a picture is drawn cannot always configure its surface, for instance,
-    /// and does so with its next frame.
+    /// Each use of it here has error scopes of its own. An error outside them belongs to another user and to no picture: for
+    /// instance, a window that is resized while a picture is drawn cannot always configure its surface, and does so with its
+    /// next frame.
     pub fn adopt(
         device: wgpu::Device,
         queue: wgpu::Queue,
@@ -139,7 +139,7 @@ impl Gpu {
         lost: impl Fn() + Send + 'static,
     ) -> Self {
         let faults = Arc::new(Faults::default());
-        // By default, it would be a panic.
+        // The default handler panics.
         device.on_uncaptured_error(Arc::new(|_| ()));
         let kept = faults.clone();
         device.set_device_lost_callback(move |_, message| {
@@ -158,16 +158,16 @@ impl Gpu {
     /// Returns the process's own device, opened on the first call.
     ///
     /// # Errors
-    /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
+    /// [`RenderError::NoGpu`] if there is no driver or no device; this is not tried again.
     pub fn shared() -> Result<Arc<Self>, RenderError> {
         open().cloned()
     }
 
-    /// Returns the process's device on a real GPU, opened on the first call: not one of a driver that draws on the
-    /// processor, where the software path is faster.
+    /// Returns the process's device on a real GPU, opened on the first call: not a driver that draws on the processor, since
+    /// the software path is faster.
     ///
     /// # Errors
-    /// [`RenderError::NoGpu`] where there is none; this is not tried again.
+    /// [`RenderError::NoGpu`] if there is none; this is not tried again.
     pub fn shared_real() -> Result<Arc<Self>, RenderError> {
         static GPU: Opened = OnceLock::new();
         opened(&GPU, Adapters::Real).cloned()
@@ -178,18 +178,17 @@ impl Gpu {
         self.is_emulated
     }
 
-    /// Its adapter's name.
+    /// Returns its adapter's name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Returns true if the device is gone for good: nothing can be drawn with it any more.
+    /// Returns true if the device is lost for good: it cannot draw any more.
     pub fn is_lost(&self) -> bool {
         self.faults.loss.get().is_some()
     }
 
-    /// Runs work with all errors of the device caught. The first that occurs is the result, unless the work itself
-    /// has failed.
+    /// Runs `work` and catches all errors of the device. Returns the first of them, unless the work itself has failed.
     ///
     /// # Errors
     /// [`RenderError::Gpu`], and those of the work.
@@ -214,10 +213,10 @@ impl Gpu {
         }
     }
 
-    /// Requests something small of the device: one that is gone reports so only on a request.
+    /// Sends a small request to the device: a lost device reports the loss only on a request.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`] if it is gone.
+    /// [`RenderError::Gpu`] if it is lost.
     pub(crate) fn answers(&self) -> Result<(), RenderError> {
         self.guarded(|| {
             self.uniform("question", &[0_u32; 4]);
@@ -225,7 +224,7 @@ impl Gpu {
         })
     }
 
-    /// A buffer with the given bytes; never empty, since a binding may not be.
+    /// Creates a buffer with the given bytes; never empty, since a binding must not be.
     pub(crate) fn buffer(
         &self,
         label: &str,
@@ -240,7 +239,7 @@ impl Gpu {
             usage,
             mapped_at_creation: true,
         });
-        // A buffer that could not be made (no memory, no device any more) has no range; the error scope says why.
+        // A buffer that could not be created (out of memory, device lost) has no range; the error scope reports the reason.
         if let Ok(mut range) = buffer.slice(..).get_mapped_range_mut() {
             range.slice(..contents.len()).copy_from_slice(contents);
         }
@@ -248,28 +247,28 @@ impl Gpu {
         buffer
     }
 
-    /// A uniform buffer with one value.
+    /// Creates a uniform buffer with one value.
     pub(crate) fn uniform<T: bytemuck::NoUninit>(&self, label: &str, value: &T) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         self.buffer(label, usage, bytemuck::bytes_of(value))
     }
 
-    /// A storage buffer with the given bytes.
+    /// Creates a storage buffer with the given bytes.
     pub(crate) fn storage(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
         self.buffer(label, wgpu::BufferUsages::STORAGE, bytes)
     }
 
-    /// A buffer that a kernel writes and that can be copied from.
+    /// Creates a buffer that a kernel writes and that can be copied from.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`] if the device has no buffers of this size.
+    /// [`RenderError::Gpu`] if the device does not support buffers of this size.
     pub(crate) fn output(&self, label: &str, size: u64) -> Result<wgpu::Buffer, RenderError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         self.check_size(label, size)?;
         Ok(self.empty(label, usage, size))
     }
 
-    /// Refuses what does not fit a storage binding.
+    /// Refuses sizes that exceed a storage binding.
     pub(crate) fn check_size(&self, label: &str, size: u64) -> Result<(), RenderError> {
         let most = self.storage_limit();
         if size > most {
@@ -280,7 +279,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// The largest storage buffer.
+    /// Returns the size of the largest storage buffer.
     pub(crate) fn storage_limit(&self) -> u64 {
         let limits = self.device.limits();
         limits
@@ -297,7 +296,7 @@ impl Gpu {
         })
     }
 
-    /// Waits until everything that has been handed over is drawn.
+    /// Waits until all submitted work is drawn.
     ///
     /// # Errors
     /// [`RenderError::Gpu`] if the device was lost.
@@ -316,7 +315,7 @@ impl Gpu {
         }
     }
 
-    /// Records commands and hands them over.
+    /// Records commands and submits them.
     pub(crate) fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
         let mut encoder = self
             .device
@@ -325,7 +324,7 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// Copies a buffer's first bytes back and hands them to `read`.
+    /// Copies a buffer's first bytes back and passes them to `read`.
     ///
     /// # Errors
     /// [`RenderError::Gpu`] if the device was lost or the buffer cannot be mapped.
@@ -341,7 +340,7 @@ impl Gpu {
         self.read_staging(&staging, read)
     }
 
-    /// Copies a texture's rows back, and hands each to `read`, with its number, as tightly packed pixels.
+    /// Copies a texture's rows back, and passes each to `read`, with its number, as tightly packed pixels.
     ///
     /// # Errors
     /// As [`Gpu::read`].
@@ -389,11 +388,11 @@ impl Gpu {
         let slice = staging.slice(..);
         let (send, receive) = mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver waits below; if it is gone the answer is not needed.
+            // The receiver waits below; if it is dropped, the answer is not needed.
             let _ = send.send(result);
         });
         self.wait()?;
-        // Another thread's wait may have seen the end of this work and be about to send the answer.
+        // Another thread may have noticed the end of this work while waiting, and may be about to send the answer.
         match receive.recv_timeout(std::time::Duration::from_secs(60)) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
@@ -410,7 +409,7 @@ impl Gpu {
 }
 
 impl Faults {
-    /// Notes that the device is gone, unless that is known.
+    /// Records that the device is lost, unless this is already known.
     fn lose(&self, reason: &str) {
         let _ = self.loss.set(format!("the device was lost: {reason}"));
     }

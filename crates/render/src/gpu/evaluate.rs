@@ -1,4 +1,4 @@
-//! Values of expressions as the GPU computes them: for comparison with f64.
+//! Evaluation of expressions on the GPU, for comparison with f64.
 
 use std::fmt;
 
@@ -10,20 +10,20 @@ use crate::gpu::device;
 use crate::gpu::layout::Table;
 use crate::gpu::pipelines::{PipelineFactory, dispatch_flat};
 
-/// The reason for which expressions could not be evaluated.
+/// The reason why expressions could not be evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EvaluateError {
-    /// No GPU, or it failed.
+    /// There is no GPU, or it failed.
     Render(RenderError),
-    /// No shader.
+    /// No shader could be generated.
     Generate(GenerateError),
-    /// A row has not one number for each input.
+    /// A row does not have one number for each input.
     Row {
         /// The row.
         row: usize,
-        /// Numbers it should have.
+        /// The expected number of values.
         expected: usize,
-        /// Numbers it has.
+        /// The given number of values.
         given: usize,
     },
 }
@@ -50,8 +50,8 @@ impl fmt::Display for EvaluateError {
 impl std::error::Error for EvaluateError {}
 
 /// Evaluates the roots for each row of inputs on the GPU, by the generated code that pictures use. A row follows
-/// [`Graph::inputs`] of the roots (sorted, as [`expr::tape::Tape::inputs`]); a row of the result has one number per
-/// root. Undefined values are NaN where the driver makes them so.
+/// [`Graph::inputs`] of the roots (sorted, as [`expr::tape::Tape::inputs`]); a row of the result has one number per root.
+/// Undefined values are NaN if the driver preserves NaN.
 ///
 /// # Errors
 /// See [`EvaluateError`].

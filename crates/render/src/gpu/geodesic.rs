@@ -1,9 +1,9 @@
-//! The colours of the geodesic view: the ends of all pixels' geodesics are a table of polynomials that the fan's rays gave
-//! in f64, and a fixed pass evaluates and colours them. Maps pixel by pixel, which are there for comparison, are coloured
-//! on the CPU.
+//! The colours of the geodesic view: the ends of all pixels' geodesics are a table of polynomials computed in f64 from the
+//! fan's rays, and a fixed pass evaluates and colours them. Maps by pixel, which exist for comparison, are coloured on the
+//! CPU.
 //!
-//! The table of a map is uploaded once, the pass is built once. A picture stays on the device, or is read back in slabs of
-//! rows, so that a large one needs no buffer of its own size.
+//! The table of a map is uploaded once, and the pass is built once. A picture stays on the device, or is read back in slabs
+//! of rows, so that a large one needs no buffer of its own size.
 
 use std::sync::Arc;
 
@@ -21,14 +21,14 @@ use crate::gpu::renderer::check_side;
 use crate::style;
 use crate::texture::Texture;
 
-/// Tables and images that are kept: those of this number of panes.
+/// The number of tables and images in the cache, enough for this number of panes.
 const KEPT: usize = 6;
-/// Pixels of one slab: 16 MB of colours.
+/// The pixels of one slab: 16 MB of colours.
 const SLAB_PIXELS: u32 = 1 << 22;
 /// The number of statuses.
 const STATUSES: usize = 6;
 
-/// The state that the pass keeps from one picture to the next.
+/// The state of the pass between pictures.
 #[derive(Debug, Default)]
 pub(crate) struct ResolvePass {
     pipeline: Option<wgpu::ComputePipeline>,
@@ -42,7 +42,7 @@ pub(crate) struct ResolvePass {
 struct DeviceEnds {
     ends: Arc<RayEnds>,
     words: wgpu::Buffer,
-    /// The number of pixels of each status, once they have been counted.
+    /// The number of pixels of each status, once counted.
     counts: Option<Vec<u32>>,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct ResolveTask<'a> {
     pub(crate) ends: &'a Arc<RayEnds>,
     /// The surface's image.
     pub(crate) cover: &'a Cover,
-    /// The (u, v) from which the ends' offsets count.
+    /// The (u, v) to which the ends' offsets are relative.
     pub(crate) origin: [f64; 2],
     /// The surface's colour in linear light.
     pub(crate) colour: [f32; 3],
@@ -79,10 +79,10 @@ struct Bound<'a> {
 }
 
 impl ResolvePass {
-    /// Colours a picture. `progress` receives the share that is done.
+    /// Colours a picture. `progress` receives the completed fraction.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`], also if the ends are no table of polynomials; [`RenderError::Internal`].
+    /// [`RenderError::Gpu`], also if the ends are not a table of polynomials; [`RenderError::Internal`].
     pub(crate) fn resolve(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -173,7 +173,7 @@ impl ResolvePass {
     }
 }
 
-/// Colours slab by slab into memory.
+/// Colours the picture slab by slab into memory.
 fn slabs(
     factory: &PipelineFactory<'_>,
     bound: &Bound,
@@ -199,8 +199,8 @@ fn slabs(
     Ok(picture)
 }
 
-/// Submits the dispatch of some rows (the first one and their number), `stride` pixels apart, and what is to be done
-/// with their colours.
+/// Submits the dispatch of some rows (the first one and their number), `stride` pixels apart, and the commands that process
+/// their colours.
 fn submit(
     factory: &PipelineFactory<'_>,
     bound: &Bound,
@@ -231,12 +231,12 @@ fn submit(
     });
 }
 
-/// The bytes of a row that a texture can be filled from.
+/// Returns the bytes of a row from which a texture can be filled.
 fn row_bytes(width: u32) -> u32 {
     (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
-/// The inputs of the pass for one picture.
+/// Returns the inputs of the pass for one picture.
 fn description(task: &ResolveTask, rows: [u32; 2], stride: u32) -> Resolve {
     let size = task.size;
     let cover = task.cover;
@@ -255,7 +255,7 @@ fn description(task: &ResolveTask, rows: [u32; 2], stride: u32) -> Resolve {
     let place = cover.share(task.origin);
     Resolve {
         colour: [r, g, b, 1.0],
-        // Where the image repeats, whole turns would only cost digits.
+        // If the image repeats, whole periods would only cost digits.
         place: [0, 1].map(|k| match cover.repeats[k] {
             true => (place[k] - place[k].floor()) as f32,
             false => place[k] as f32,
@@ -289,7 +289,7 @@ fn status_of(code: u32) -> Status {
     }
 }
 
-/// Returns the entry, made if it does not exist; it becomes the last one, and the first gives way.
+/// Returns the entry, created if it does not exist; it moves to the end of the list, and the first entry is evicted.
 fn recent<T>(all: &mut Vec<T>, is: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> &mut T {
     let entry = match all.iter().position(is) {
         Some(at) => all.remove(at),

@@ -1,5 +1,5 @@
-//! Painter of glyphs: what points, vectors and curves have in common. Each sample becomes a few triangles whose
-//! size follows the distance; the shader alone knows their form.
+//! The painter of glyphs: the common code of points, vectors and curves. Each sample becomes a few triangles whose size
+//! follows the distance; only the shader knows their form.
 
 use crate::error::RenderError;
 use crate::gpu::layout::Glyph;
@@ -17,13 +17,13 @@ pub(crate) struct GlyphKind {
     pub(crate) shader: fn() -> Result<wgsl::Joined, wgsl::InternalError>,
     /// Half its width, or its radius.
     pub(crate) width: &'static style::Length,
-    /// The least of it, in pixels; what is thinner fades instead.
+    /// The minimum of it in pixels; thinner glyphs fade instead.
     pub(crate) least: f32,
-    /// Corners that the shader makes of one sample.
+    /// The number of corners that the shader generates from one sample.
     pub(crate) corners: u32,
 }
 
-/// The painter of one kind.
+/// The painter of one kind of glyph.
 #[derive(Debug)]
 pub(crate) struct Glyphs {
     kind: &'static GlyphKind,
@@ -40,7 +40,7 @@ impl Glyphs {
         Ok(Self { kind, pipeline })
     }
 
-    /// The draw of all instances of one object.
+    /// Returns the draw of all instances of one object.
     pub(crate) fn draw(
         &self,
         factory: &PipelineFactory<'_>,

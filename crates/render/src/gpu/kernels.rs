@@ -1,4 +1,4 @@
-//! Kernels that are compiled in the background: until one is ready, f64 blocks stand in for it, and no picture waits.
+//! Kernels that are compiled in the background: until a kernel is ready, f64 blocks replace it, and no picture waits.
 //!
 //! Drivers compile at the first dispatch, so a kernel counts as ready when it has filled a few samples.
 
@@ -19,25 +19,25 @@ use crate::gpu::samples::{self, SampleBuffer};
 use crate::placement::Placement;
 use crate::plan::{self, KERNEL_PAYS};
 
-/// Samples that a kernel fills before it is said to be ready.
+/// The number of samples that a kernel fills before it counts as ready.
 const FIRST: u64 = 64;
-/// Kernels that are kept.
+/// The maximum number of cached kernels.
 const MOST: usize = 256;
 
-/// Kernels by the structure of what they sample.
+/// Kernels by the structure of the sampled object.
 #[derive(Debug)]
 pub(crate) struct Kernels {
     states: HashMap<Arc<[u64]>, KernelState>,
     built: Arc<AtomicU64>,
-    /// The number of operations from which on an object has one.
+    /// The number of operations from which on an object has a kernel.
     pays: u64,
 }
 
 #[derive(Debug)]
 struct KernelState {
-    /// Operations of one sample, with its normal.
+    /// The number of operations of one sample, with its normal.
     operations: u64,
-    /// It fails if the driver, or this program's own validation, refuses it.
+    /// Fails if the driver, or this program's own validation, refuses it.
     kernel: Option<BackgroundBuild<Kernel>>,
 }
 
@@ -51,15 +51,15 @@ enum Kernel {
 #[derive(Debug)]
 struct Ready {
     pipeline: wgpu::ComputePipeline,
-    /// The index among the structure's uniforms of each number of a row of uniforms.
+    /// For each number of a row of uniforms, its index among the structure's uniforms.
     slots: Vec<usize>,
 }
 
-/// The samples of an object, as far as kernels give them.
+/// The samples of an object, if a kernel provides them.
 pub(crate) enum ObjectSamples {
-    /// Its samples, by a kernel.
+    /// Its samples, computed by a kernel.
     Samples(SampleBuffer),
-    /// Blocks are to be used; if a kernel has been refused, why.
+    /// Blocks are to be used; if a kernel has been refused, with the reason.
     Blocks(Option<String>),
 }
 
@@ -95,7 +95,8 @@ impl Kernels {
         self.states.values().any(KernelState::is_building)
     }
 
-    /// Samples of an object by its kernel, if it pays and is ready. If it pays and is not known, building it begins.
+    /// Returns samples of an object from its kernel, if the kernel pays off and is ready. If it pays off and is new, starts
+    /// to build it.
     ///
     /// # Errors
     /// Those of the device.
@@ -109,14 +110,14 @@ impl Kernels {
         } = *wanted;
         let object = &scene.objects[wanted.object.index()];
         let samples = plan::samples(scene, wanted.params, object);
-        // Where kernels are refused for a test, they are requested at once.
+        // If a test refuses kernels, they are requested at once.
         let pays = if gpu.refuses_samples() { 1 } else { self.pays };
-        // Nothing that a shader may hold would pay.
+        // Even the largest shader would not pay off.
         if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < pays {
             return Ok(ObjectSamples::Blocks(None));
         }
         if self.states.len() >= MOST && !self.states.contains_key(structure.words()) {
-            // One that is still being built would have to be waited for.
+            // Removing a kernel that is still being built would wait for it.
             self.states.retain(|_, state| state.is_building());
         }
         let state = self
@@ -168,7 +169,7 @@ impl Kernels {
         Some(refused(name, message))
     }
 
-    /// The number of kernels that have been built so far.
+    /// Returns the number of kernels that have been built so far.
     pub(crate) fn built(&self) -> u64 {
         self.built.load(Ordering::Relaxed)
     }

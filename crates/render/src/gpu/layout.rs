@@ -1,4 +1,4 @@
-//! Uniform structs, as WGSL lays them out; tests compare each with its twin in `/shaders`.
+//! Uniform structs with the layout of WGSL; tests compare each with its counterpart in `/shaders`.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -29,7 +29,7 @@ pub(crate) struct ViewUniform {
 }
 
 impl ViewUniform {
-    /// The view of a camera, for a tile (first pixel, size) of its picture.
+    /// Returns the view of a camera, for a tile (first pixel, size) of its picture.
     pub(crate) fn new(camera: &Camera, first: [u32; 2], size: [u32; 2]) -> Self {
         // x_tile = x · scale + offset maps the tile's part of [−1,1] to [−1,1]; y points up, rows go down.
         let scale = [0, 1].map(|k| camera.size[k] as f32 / size[k] as f32);
@@ -82,7 +82,7 @@ pub(crate) struct Glyph {
 }
 
 impl Glyph {
-    /// A glyph of the given look and width, `count` samples an instance, `total` in all, drawn from `first` on.
+    /// Returns a glyph of the given look and width: `count` samples per instance, `total` in all, drawn from `first` on.
     pub(crate) fn new(
         look: &Look,
         length: &style::Length,

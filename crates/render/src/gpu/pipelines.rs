@@ -1,4 +1,4 @@
-//! The GPU objects that one picture builds: pipelines, kernels, textures, samplers, all counted.
+//! The GPU objects that one picture builds: pipelines, kernels, textures and samplers, all counted.
 
 use wgsl::{Joined, Kernel};
 
@@ -6,19 +6,19 @@ use crate::gpu::device::Gpu;
 use crate::plan::Built;
 use crate::texture::Texture;
 
-/// Colour of targets: linear light is blended and averaged, sRGB is kept.
+/// The colour format of targets: linear light is blended and averaged, sRGB is stored.
 pub(crate) const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// Depth of targets; greater is nearer.
+/// The depth format of targets; greater is nearer.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples per pixel.
 pub(crate) const SAMPLES: u32 = 4;
-/// The most workgroups along one axis of a dispatch.
+/// The maximum number of workgroups along one axis of a dispatch.
 const MAX_WORKGROUPS: u32 = 65_535;
 
-/// Builds for one picture, and counts.
+/// Builds objects for one picture, and counts them.
 pub(crate) struct PipelineFactory<'a> {
     pub(crate) gpu: &'a Gpu,
-    /// The counts of all that has been built.
+    /// The counts of everything that has been built.
     pub(crate) built: Built,
 }
 
@@ -39,27 +39,27 @@ impl<'a> PipelineFactory<'a> {
             })
     }
 
-    /// A generated kernel that fills samples.
+    /// Builds a generated kernel that fills samples.
     pub(crate) fn sample_kernel(&mut self, kernel: &Kernel) -> wgpu::ComputePipeline {
         self.built.sample_kernels += 1;
-        // A name that no entry point has is what a driver refuses.
+        // The driver refuses the name of a missing entry point.
         let refused = self.gpu.refuses_samples().then_some("refused");
         self.compute_from(kernel.entry_point(), kernel.joined(), refused)
     }
 
-    /// The fixed pass that colours a table of polynomials.
+    /// Builds the fixed pass that colours a table of polynomials.
     pub(crate) fn resolve_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
         self.built.resolve_pipelines += 1;
         self.compute("resolve", joined)
     }
 
-    /// The pass that traces a picture.
+    /// Builds the pass that traces a picture.
     pub(crate) fn trace_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
         self.built.trace_pipelines += 1;
         self.compute("trace", joined)
     }
 
-    /// A kernel that no picture needs.
+    /// Builds a kernel that no picture needs.
     pub(crate) fn compute(&self, label: &str, joined: &Joined) -> wgpu::ComputePipeline {
         self.compute_from(label, joined, None)
     }
@@ -83,7 +83,7 @@ impl<'a> PipelineFactory<'a> {
             })
     }
 
-    /// A painter's pipeline: triangles, both sides, depth, multisampling.
+    /// Builds a painter's pipeline: triangles, both sides, depth, multisampling.
     pub(crate) fn draw_pipeline(&mut self, label: &str, joined: &Joined) -> wgpu::RenderPipeline {
         self.built.draw_pipelines += 1;
         let module = self.module(label, joined);
@@ -122,8 +122,8 @@ impl<'a> PipelineFactory<'a> {
             })
     }
 
-    /// A sampler, linear within and between levels, for images that repeat along some axes; along the others their
-    /// border goes on.
+    /// Creates a sampler, linear within and between levels, for images that repeat along some axes; along the others their
+    /// border continues.
     pub(crate) fn sampler(&mut self, repeats: [bool; 2]) -> wgpu::Sampler {
         self.built.samplers += 1;
         let [u, v] = repeats.map(|repeats| match repeats {
@@ -141,10 +141,10 @@ impl<'a> PipelineFactory<'a> {
         })
     }
 
-    /// An image with its mip chain.
+    /// Creates a texture of an image with its mip chain.
     pub(crate) fn texture(&mut self, texture: &Texture) -> wgpu::TextureView {
         self.built.textures += 1;
-        // A level that the device cannot hold is left out: the next one is half its size.
+        // A level that is too large for the device is left out: the next one is half its size.
         let most = self.gpu.device.limits().max_texture_dimension_2d;
         let levels = texture.levels();
         let first = levels

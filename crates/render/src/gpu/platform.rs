@@ -1,6 +1,6 @@
-//! Looks for a GPU before a driver is loaded: loading takes time, and some drivers write to standard error.
+//! Detection of a GPU before a driver is loaded: loading takes time, and some drivers write to standard error.
 
-/// Device files of the kernel's drivers for GPUs: direct rendering, NVIDIA's own, that of Windows' subsystem, Adreno, Mali.
+/// Device files of the kernel's GPU drivers: direct rendering, NVIDIA, Windows Subsystem for Linux, Adreno, Mali.
 #[cfg(target_os = "linux")]
 const DEVICES: [&str; 5] = [
     "/dev/dri",
@@ -10,7 +10,7 @@ const DEVICES: [&str; 5] = [
     "/dev/mali0",
 ];
 
-/// Returns false if there is no GPU for certain.
+/// Returns false if there is certainly no GPU.
 #[cfg(target_os = "linux")]
 pub(super) fn may_have_gpu() -> bool {
     DEVICES

@@ -1,4 +1,4 @@
-//! Painter of points: discs.
+//! The painter of points: discs.
 
 use crate::gpu::glyphs::GlyphKind;
 use crate::style;

@@ -1,5 +1,5 @@
-//! The GPU's half of a renderer: pipelines, buffers, targets and canvases that stay from one picture to the next. Params
-//! are numbers in buffers; nothing is compiled for them.
+//! The GPU part of a renderer: pipelines, buffers, targets and canvases that persist between pictures. Params are numbers in
+//! buffers; changing them compiles nothing.
 
 use std::sync::Arc;
 
@@ -27,12 +27,12 @@ use crate::solids::SolidPainter;
 use crate::style::Look;
 use crate::texture::Texture;
 
-/// Bytes of sample buffers that are kept though the last picture has not used them.
+/// The bytes of sample buffers that are kept although the last picture has not used them.
 const ALLOWANCE: usize = 16 << 20;
-/// Targets that are kept: the sizes of this number of panes.
+/// The number of targets that are kept, enough for this number of panes.
 const TARGETS: usize = 3;
 
-/// Draws on a device, again and again.
+/// Draws repeatedly on a device.
 #[derive(Debug)]
 pub(crate) struct GpuRenderer {
     pub(crate) gpu: Arc<Gpu>,
@@ -40,13 +40,13 @@ pub(crate) struct GpuRenderer {
     painters: Painters,
     buffers: Cache<Content, Buffered>,
     overlay: Option<(Arc<[OverlayObject]>, Vec<SampleBuffer>)>,
-    /// The one that was used last is the last one.
+    /// The most recently used target is last.
     targets: Vec<Target>,
     canvases: Canvases,
     kernels: Kernels,
     resolve: ResolvePass,
     trace: TracePass,
-    /// Objects whose samples a kernel has computed.
+    /// The number of objects whose samples a kernel has computed.
     sampled: u64,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) texture: &'a dyn Fn(ObjectId) -> Arc<Texture>,
     /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
-    /// The solids, where there are any.
+    /// The solids, if there are any.
     pub(crate) solids: Option<&'a SolidPainter<'a>>,
     /// Linear light and alpha.
     pub(crate) background: [f32; 4],
@@ -92,8 +92,8 @@ impl GpuRenderer {
         }
     }
 
-    /// Draws objects; returns the picture and what a reader should know. A single picture is drawn into memory tile by
-    /// tile, and waits for its kernels.
+    /// Draws objects; returns the picture and the notes for its reader. A single picture is drawn into memory tile by tile,
+    /// and waits for its kernels.
     ///
     /// # Errors
     /// Those of the device.
@@ -160,7 +160,7 @@ impl GpuRenderer {
         resolved
     }
 
-    /// True if the pass of traced pictures with these functions is ready; with `waits`, it is waited for.
+    /// Returns true if the pass of traced pictures with these functions is ready; with `waits`, waits for it.
     ///
     /// # Errors
     /// A clause, if the driver has refused it.
@@ -169,8 +169,8 @@ impl GpuRenderer {
             .is_ready(&self.gpu, functions, &mut self.built, waits)
     }
 
-    /// Traces samples of a picture. `progress` receives the share that is done, and returns false to stop; then there is no
-    /// result.
+    /// Traces samples of a picture. `progress` receives the completed fraction, and returns false to stop; then the result
+    /// is `None`.
     ///
     /// # Errors
     /// Those of the device.
@@ -194,14 +194,14 @@ impl GpuRenderer {
         self.kernels.is_building() || self.trace.is_building()
     }
 
-    /// The number of pipelines and kernels that have been built so far.
+    /// Returns the number of pipelines and kernels that have been built so far.
     pub(crate) fn pipelines(&self) -> u64 {
         let built = &self.built;
         let fixed = built.draw_pipelines + built.resolve_pipelines + built.trace_pipelines;
         u64::from(fixed) + self.kernels.built()
     }
 
-    /// Returns the counts of all that has been built so far.
+    /// Returns the counts of everything that has been built so far.
     pub(crate) fn built(&self) -> Built {
         Built {
             sample_kernels: self.kernels.built() as u32,
@@ -209,12 +209,12 @@ impl GpuRenderer {
         }
     }
 
-    /// Objects whose samples kernels have computed so far.
+    /// Returns the number of objects whose samples kernels have computed so far.
     pub(crate) fn sampled(&self) -> u64 {
         self.sampled
     }
 
-    /// Returns the draws, ready, and the notes for a reader of the picture.
+    /// Returns the prepared draws, and the notes for the reader of the picture.
     fn draws(
         &mut self,
         store: &mut SampleStore,
@@ -255,7 +255,7 @@ impl GpuRenderer {
         Ok((draws, notes))
     }
 
-    /// The draw of the solids into a target of a size that begins at a pixel of the picture.
+    /// Returns the draw of the solids into a target of this size that begins at a pixel of the picture.
     fn solids(
         &mut self,
         scene: &SpaceScene,
@@ -270,7 +270,7 @@ impl GpuRenderer {
         draw.transpose()
     }
 
-    /// The samples of an object on the device. What a reader should know of them is added to `notes`.
+    /// Returns the samples of an object on the device, and adds notes about them to `notes`.
     fn buffer(
         &mut self,
         store: &mut SampleStore,
@@ -317,7 +317,7 @@ impl GpuRenderer {
         }
         let buffer = samples::upload_samples(&self.gpu, &sampled.samples)?;
         if is_single {
-            // They are on the device now, and nothing else will ask for them.
+            // They are on the device now, and the CPU copy is not needed any more.
             store.forget(content, placement);
         }
         self.put(key, &buffer, false);
@@ -373,7 +373,7 @@ impl GpuRenderer {
     }
 }
 
-/// Refuses pictures that are larger than a texture may be.
+/// Refuses pictures that exceed the maximum size of a texture.
 ///
 /// # Errors
 /// [`RenderError::Gpu`].

@@ -1,4 +1,4 @@
-//! Buffers of samples: filled by f64 blocks on the CPU or by a generated kernel; painters never know which.
+//! Buffers of samples, filled by f64 blocks on the CPU or by a generated kernel; painters do not know which.
 
 use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
@@ -19,11 +19,11 @@ use crate::style::Look;
 #[derive(Clone, Debug)]
 pub(crate) struct SampleBuffer {
     pub(crate) buffer: wgpu::Buffer,
-    /// Samples of one instance along each parameter; 1 where there is no such parameter.
+    /// Samples of one instance along each parameter; 1 for a missing parameter.
     pub(crate) count: [u32; 2],
     /// Samples of all instances.
     pub(crate) total: u32,
-    /// The number of undefined ones, if a kernel has computed them.
+    /// The number of undefined samples, if a kernel has computed them.
     pub(crate) undefined: usize,
 }
 
@@ -34,7 +34,7 @@ impl SampleBuffer {
     }
 }
 
-/// The samples of an object as its generated kernel computes them, read back. `None` if its expressions are too
+/// Returns the samples of an object as its generated kernel computes them, read back; `None` if its expressions are too
 /// large for a shader.
 pub(crate) fn computed(
     factory: &mut PipelineFactory<'_>,
@@ -80,10 +80,10 @@ pub(crate) fn computed(
     }))
 }
 
-/// A buffer with samples that are there already.
+/// Creates a buffer with existing samples.
 ///
 /// # Errors
-/// [`RenderError::Gpu`] if they do not fit the device.
+/// [`RenderError::Gpu`] if they exceed the limits of the device.
 pub(crate) fn upload_samples(gpu: &Gpu, samples: &Samples) -> Result<SampleBuffer, RenderError> {
     let (bytes, count, total): (&[u8], _, _) = match samples {
         Samples::Points(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
@@ -105,14 +105,14 @@ pub(crate) fn upload_samples(gpu: &Gpu, samples: &Samples) -> Result<SampleBuffe
     })
 }
 
-/// A buffer with the colours of an object's instances.
+/// Creates a buffer with the colours of an object's instances.
 pub(crate) fn instance_colours(gpu: &Gpu, look: &Look) -> wgpu::Buffer {
     let colours = look.colours.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]);
     let colours: Vec<[f32; 4]> = colours.collect();
     gpu.storage("colours", bytemuck::cast_slice(&colours))
 }
 
-/// The generated kernel of an object's samples.
+/// Generates the kernel of an object's samples.
 pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
     let graph = &scene.graph;
     if let Some((direction, origin)) = shape.vector() {
@@ -122,7 +122,7 @@ pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateErr
         (Some(position), []) => wgsl::kernel::sample_point(graph, *position),
         (Some(position), [_]) => wgsl::kernel::sample_curve(graph, *position),
         (Some(position), _) => wgsl::kernel::sample_surface(graph, *position),
-        // Metrics and geodesics are not planned with a kernel: no expression is their place in space.
+        // Metrics and geodesics have no kernel: no expression gives their position in space.
         (None, _) => Err(GenerateError::TooLarge { operations: None }),
     }
 }
@@ -149,11 +149,11 @@ fn run(
     )
 }
 
-/// Fills a buffer with an object's samples (with the first few of them, if so many are requested) by a kernel; `slots`
-/// are the uniforms that it reads.
+/// Fills a buffer with an object's samples, or with the first few of them, by a kernel; `slots` are the uniforms that it
+/// reads.
 ///
 /// # Errors
-/// [`RenderError::Gpu`] if they do not fit the device.
+/// [`RenderError::Gpu`] if they exceed the limits of the device.
 pub(crate) fn by_kernel(
     gpu: &Gpu,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! Painter of solids: what rays have found on the CPU, composed with other objects by its depth.
+//! The painter of solids: the results of rays on the CPU, composed with other objects by their depth.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::gpu::space::{Draw, Vertices};
 use crate::solids::{SolidPainter, SolidSample, TILE};
 use crate::style;
 
-/// Stands for the depth of a pixel whose samples differ; no depth has these bits.
+/// The depth word of a pixel whose samples differ; no depth has these bits.
 const SPLIT: u32 = u32::MAX;
 
 /// The painter.
@@ -25,7 +25,7 @@ impl Solids {
         Ok(Self { pipeline })
     }
 
-    /// The draw of all solids into a target of a size that begins at a pixel of the picture.
+    /// Returns the draw of all solids into a target of this size that begins at a pixel of the picture.
     pub(crate) fn draw(
         &self,
         factory: &PipelineFactory<'_>,
@@ -34,7 +34,7 @@ impl Solids {
         size: [u32; 2],
     ) -> Draw {
         let Words { pixels, mut splits } = Words::of(painter, first, size);
-        // A binding of nothing is refused.
+        // An empty binding is refused.
         splits.push([0; 2]);
         let extent = SolidExtent { columns: size[0] };
         let extent = factory.gpu.uniform("extent", &extent);
@@ -64,7 +64,7 @@ impl Solids {
     }
 }
 
-/// The samples of solids, as the shader reads them.
+/// The samples of solids, in the format of the shader.
 struct Words {
     pixels: Vec<[u32; 2]>,
     splits: Vec<[u32; 2]>,

@@ -1,4 +1,4 @@
-//! The 3D view: painters into a multisampled target, the size of the picture or of a tile of it.
+//! The 3D view: painters into a multisampled target, with the size of the picture or of a tile of it.
 
 use std::sync::Arc;
 
@@ -21,10 +21,10 @@ use crate::solids::SolidPainter;
 use crate::style::{self, Look};
 use crate::texture::Texture;
 
-/// The longest side of a tile. A tile takes 36 bytes a pixel on the device, 150 MB at this side.
+/// The longest side of a tile. A tile needs 36 bytes per pixel on the device, 150 MB at this size.
 const TILE: u32 = 2048;
 
-/// Something to draw, ready.
+/// A prepared draw.
 pub(crate) struct Draw {
     pub(crate) pipeline: wgpu::RenderPipeline,
     pub(crate) group: wgpu::BindGroup,
@@ -46,9 +46,9 @@ pub(crate) enum Vertices {
     },
 }
 
-/// Draws into memory, tile by tile, so that a large picture needs no target of its own size. `view` is the uniform that
-/// the draws read; `before` gives what is drawn before them into a tile that begins at a pixel and has a size. `progress`
-/// receives the share that is done.
+/// Draws into memory, tile by tile, so that a large picture needs no target of its own size. `view` is the uniform that the
+/// draws read; `before` returns what is drawn before them into a tile with this first pixel and size. `progress` receives
+/// the completed fraction.
 ///
 /// # Errors
 /// Those of the device.
@@ -69,7 +69,7 @@ pub(crate) fn draw_tiles(
         .flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| [x * TILE, y * TILE]))
         .collect();
     for (number, first) in tiles.iter().enumerate() {
-        // Every tile has the target's size; what lies beyond the picture is not copied.
+        // Every tile has the target's size; pixels beyond the picture are not copied.
         let uniform = ViewUniform::new(camera, *first, target.size);
         gpu.queue
             .write_buffer(view, 0, bytemuck::bytes_of(&uniform));
@@ -92,7 +92,7 @@ pub(crate) fn draw_tiles(
     Ok(picture)
 }
 
-/// Turns colours that their alpha is multiplied into, as targets hold them, into colours beside their alpha.
+/// Converts colours with premultiplied alpha, as in targets, to straight alpha.
 pub(crate) fn straighten(picture: &mut RgbaImage) {
     picture
         .as_flat_samples_mut()
@@ -108,7 +108,7 @@ pub(crate) fn straighten(picture: &mut RgbaImage) {
         });
 }
 
-/// The painters in use, each built when the first of its objects comes.
+/// The painters in use, each built when the first of its objects is drawn.
 #[derive(Debug, Default)]
 pub(crate) struct Painters {
     points: Option<Glyphs>,
@@ -119,8 +119,8 @@ pub(crate) struct Painters {
 }
 
 impl Painters {
-    /// The draw of an object with its samples and its look; of a surface also its texture. Solids have no samples, and a
-    /// draw together ([`Painters::draw_solids`]).
+    /// Returns the draw of an object with its samples and its look; for a surface also its texture. Solids have no samples
+    /// and are drawn together ([`Painters::draw_solids`]).
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -148,7 +148,7 @@ impl Painters {
         Ok(glyphs.draw(factory, view, samples, look))
     }
 
-    /// The draw of all solids into a target of a size that begins at a pixel of the picture.
+    /// Returns the draw of all solids into a target of this size that begins at a pixel of the picture.
     pub(crate) fn draw_solids(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -160,7 +160,7 @@ impl Painters {
         Ok(solids.draw(factory, painter, first, size))
     }
 
-    /// Ends a picture: what it has not used is given up.
+    /// Ends a picture: resources that it has not used are dropped.
     pub(crate) fn next(&mut self) {
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.next();
@@ -168,7 +168,7 @@ impl Painters {
     }
 }
 
-/// Returns the value in the place, built now if it is empty.
+/// Returns the value, built now if it is missing.
 fn built<T>(
     place: &mut Option<T>,
     build: impl FnOnce() -> Result<T, RenderError>,

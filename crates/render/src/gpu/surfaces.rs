@@ -1,4 +1,4 @@
-//! Painter of surfaces: lit, textured triangles.
+//! The painter of surfaces: lit, textured triangles.
 
 use std::sync::Arc;
 
@@ -10,14 +10,13 @@ use crate::gpu::space::{Draw, Vertices};
 use crate::style::Look;
 use crate::texture::Texture;
 
-/// The painter, with the images that are in use.
+/// The painter, with the images in use.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     images: Vec<(Arc<Texture>, wgpu::TextureView, bool)>,
-    /// Index buffers by the size of their grid. As with images, the last number is true if the picture that is being
-    /// made uses them.
+    /// Index buffers by the size of their grid. As with images, the last value is true if the current picture uses them.
     indices: Vec<([u32; 2], wgpu::Buffer, bool)>,
 }
 
@@ -33,7 +32,7 @@ impl Surfaces {
         })
     }
 
-    /// The draw of all instances of one object.
+    /// Returns the draw of all instances of one object.
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -83,13 +82,13 @@ impl Surfaces {
         })
     }
 
-    /// Ends a picture: images and indices that it has not used are given up.
+    /// Ends a picture: images and indices that it has not used are dropped.
     pub(crate) fn next(&mut self) {
         self.images.retain_mut(|(.., used)| std::mem::take(used));
         self.indices.retain_mut(|(.., used)| std::mem::take(used));
     }
 
-    /// The image's view; each image is uploaded once.
+    /// Returns the image's view; each image is uploaded once.
     fn image(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -108,7 +107,7 @@ impl Surfaces {
         view
     }
 
-    /// The indices of a grid's triangles.
+    /// Returns the indices of a grid's triangles.
     fn grid(&mut self, factory: &PipelineFactory<'_>, size: [u32; 2]) -> wgpu::Buffer {
         if let Some((_, buffer, used)) = self.indices.iter_mut().find(|(known, ..)| *known == size)
         {

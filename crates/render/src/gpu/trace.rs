@@ -1,4 +1,4 @@
-//! Traced pictures on the GPU: one pass follows the rays of all scenes that are data to it.
+//! Traced pictures on the GPU: one pass, to which scenes are data, follows the rays.
 //!
 //! ```text
 //! SceneTables ──tables.rs: buffers, kept──▶ pass/trace_scene.wgsl ──▶ sums of light, row by row
@@ -6,7 +6,7 @@
 //! SceneTables::functions ──pipelines.rs: kept──────────┘
 //! ```
 //!
-//! The pass is fixed but for the functions that a scene's expressions need. An edit that leaves their text as it is writes
+//! The pass is fixed except for the functions of a scene's expressions. An edit that leaves their text unchanged writes
 //! buffers and compiles nothing.
 
 mod lens;
@@ -31,14 +31,15 @@ use crate::gpu::trace::tables::TableBuffers;
 use crate::plan::Built;
 use crate::solids::{SceneTables, TracedScene};
 
-/// Pixels of one dispatch: no driver takes it for hung, and between two of them a picture can be given up.
+/// The pixels of one dispatch: few enough that no driver assumes a hang; a picture can be cancelled between two dispatches.
 const DISPATCHED: u32 = 1 << 17;
-/// Pixels whose sums are in memory at once.
+/// The number of pixels whose sums are in memory at once.
 const SLAB_PIXELS: u32 = 1 << 22;
-/// Samples of a pixel whose sums are read at once: their marks are the bits of a whole number that f32 has.
+/// The number of samples of a pixel whose sums are read at once: their marks are the bits of an integer that f32 represents
+/// exactly.
 const MOST_SAMPLES: u32 = 24;
 
-/// The state that the pass keeps from one picture to the next.
+/// The state of the pass between pictures.
 #[derive(Debug, Default)]
 pub(crate) struct TracePass {
     pipelines: TracePipelines,
@@ -55,22 +56,22 @@ pub(crate) struct TraceTask<'a> {
     pub(crate) size: [u32; 2],
     pub(crate) bounces: u32,
     pub(crate) look: PictureLook,
-    /// The first sample of each pixel, and the number of them.
+    /// The first sample of each pixel, and their number.
     pub(crate) first: u32,
     pub(crate) count: u32,
 }
 
 /// Samples that have been traced.
 pub(crate) struct TracedSamples {
-    /// The sums of each pixel's light, row by row, without those that are marked.
+    /// The sums of each pixel's light, row by row, without the marked samples.
     pub(crate) sums: Vec<DVec3>,
-    /// The samples that f32 cannot decide, each of a pixel.
+    /// The samples that f32 cannot decide, each with its pixel.
     pub(crate) marked: Vec<([u32; 2], u32)>,
 }
 
 impl TracePass {
-    /// True if the pipeline with these functions is ready. Building it begins with the first call, which `built`
-    /// counts, unless another one is being built; with `waits`, this is its end.
+    /// Returns true if the pipeline with these functions is ready. The first call starts to build it, which `built` counts,
+    /// unless another one is being built; with `waits`, waits for it.
     ///
     /// # Errors
     /// A clause, if the driver has refused it.
@@ -89,7 +90,7 @@ impl TracePass {
         self.pipelines.is_building()
     }
 
-    /// Traces samples; `None` if `progress`, which receives the share that is done, returns false.
+    /// Traces samples. `progress` receives the completed fraction; if it returns false, the result is `None`.
     ///
     /// # Errors
     /// [`RenderError::Gpu`], also if the pipeline is not ready.
@@ -120,7 +121,7 @@ impl TracePass {
             .iter()
             .map(|light| light_of(light, origin))
             .collect();
-        // A binding of nothing is refused.
+        // An empty binding is refused.
         lights.push(ShaderLight::zeroed());
         let lights = gpu.storage("lights", bytemuck::cast_slice(&lights));
         let [width, height] = task.size;
@@ -167,7 +168,7 @@ impl TracePass {
 }
 
 impl TracedSamples {
-    /// Adds the sums of rows from a first one on, with the marks of samples from a first one on.
+    /// Adds the sums of rows from `row` on, with the marks of samples from `first` on.
     fn add(&mut self, sums: &[[f32; 4]], row: u32, width: u32, first: u32) {
         let start = row as usize * width as usize;
         for (k, (&[r, g, b, marks], sum)) in sums.iter().zip(&mut self.sums[start..]).enumerate() {
@@ -190,8 +191,8 @@ struct Bound<'a> {
 }
 
 impl Bound<'_> {
-    /// Submits the dispatch of a sample of some rows: the first row and their number, the first sample of those whose sums are
-    /// read at once, and the number of those before it.
+    /// Submits the dispatch of a sample of some rows: the first row and their number, the first of the samples whose sums
+    /// are read at once, and the number of those before this one.
     fn submit(
         &self,
         factory: &PipelineFactory<'_>,

@@ -1,4 +1,4 @@
-//! Painter of vectors: a strip, a disc and a cone each.
+//! The painter of vectors: a strip, a disc and a cone for each.
 
 use crate::gpu::glyphs::GlyphKind;
 use crate::style;

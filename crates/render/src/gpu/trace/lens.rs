@@ -1,4 +1,4 @@
-//! Cameras and lights in f32, as the pass of traced pictures reads them.
+//! Cameras and lights in f32, in the format of the pass of traced pictures.
 
 use glam::DVec3;
 use tracer::camera::{Bokeh, LensCamera, LensProjection, STAR_CORNERS, SampleAxes, SharpPlaces};
@@ -6,7 +6,7 @@ use tracer::light::{Light, LightKind};
 
 use crate::gpu::layout::{Lens, ShaderLight};
 
-/// A camera whose place counts from `origin`.
+/// Converts a camera; its position is relative to `origin`.
 pub(super) fn lens_of(
     camera: &LensCamera,
     axes: SampleAxes,
@@ -14,7 +14,7 @@ pub(super) fn lens_of(
     origin: DVec3,
 ) -> Lens {
     let [right, up, forward] = camera.axes();
-    // The numbers of the kinds stand in lib/lens.wgsl.
+    // The numbers of the kinds are those of lib/lens.wgsl.
     let (bokeh, corners) = match camera.bokeh {
         Bokeh::Circle => (0, 0),
         Bokeh::Line => (1, 0),
@@ -46,7 +46,7 @@ pub(super) fn lens_of(
     }
 }
 
-/// A light whose place counts from `origin`.
+/// Converts a light; its position is relative to `origin`.
 pub(super) fn light_of(light: &Light, origin: DVec3) -> ShaderLight {
     let nowhere = DVec3::ZERO;
     let (kind, position, direction, edge, soft) = match light.kind {
@@ -81,7 +81,7 @@ pub(super) fn light_of(light: &Light, origin: DVec3) -> ShaderLight {
     }
 }
 
-/// Three numbers in f32.
+/// Returns three numbers in f32.
 pub(super) fn three(numbers: DVec3) -> [f32; 3] {
     numbers.as_vec3().to_array()
 }

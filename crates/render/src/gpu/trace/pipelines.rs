@@ -1,7 +1,7 @@
-//! The pipelines of the pass of traced pictures, each with the functions of a scene.
+//! The pipelines of the pass of traced pictures, one for each set of functions.
 //!
-//! Input: the text of functions. Output: a pipeline, once it is built; it takes seconds to compile, on a thread of its own, and
-//! meanwhile f64 draws.
+//! In: the text of functions. Out: a pipeline, once it is built. Compiling takes seconds on a separate thread; meanwhile f64
+//! draws.
 
 use std::sync::Arc;
 
@@ -14,10 +14,10 @@ use crate::gpu::layout::Trace;
 use crate::gpu::pipelines::{PipelineFactory, dispatch};
 use crate::plan::Built;
 
-/// The pipelines that are kept.
+/// The number of cached pipelines.
 const KEPT: usize = 4;
 
-/// The pipelines of the last pictures, the one that was asked for last at the end.
+/// The pipelines of the last pictures; the most recently used one is last.
 #[derive(Debug, Default)]
 pub(super) struct TracePipelines(Vec<TracePipeline>);
 
@@ -40,10 +40,10 @@ impl TracePipelines {
         let pipelines = &mut self.0;
         match pipelines.iter().position(|it| it.functions == functions) {
             Some(known) => pipelines[known..].rotate_left(1),
-            // While a program is edited, its functions may change sooner than they are compiled.
+            // During editing, the functions may change faster than they are compiled.
             None if !waits && is_building => return Ok(false),
             None => {
-                // One that is still being built would have to be waited for.
+                // Removing a pipeline that is still being built would wait for it.
                 if pipelines.len() >= KEPT
                     && let Some(done) = pipelines.iter().position(|it| !it.pipeline.is_building())
                 {
@@ -71,7 +71,7 @@ impl TracePipelines {
         self.0.iter().any(|it| it.pipeline.is_building())
     }
 
-    /// The pipeline with these functions.
+    /// Returns the pipeline with these functions.
     pub(super) fn get(&self, functions: &str) -> Option<&wgpu::ComputePipeline> {
         let known = self.0.iter().find(|it| it.functions == functions)?;
         known.pipeline.get()?.as_ref().ok()
@@ -92,7 +92,7 @@ impl TracePipeline {
     }
 }
 
-/// Builds the pipeline and dispatches it for no pixel: drivers compile at the first dispatch.
+/// Builds the pipeline and dispatches it for zero pixels: drivers compile at the first dispatch.
 fn build(gpu: &Gpu, functions: &str) -> Result<wgpu::ComputePipeline, RenderError> {
     let mut factory = PipelineFactory::new(gpu);
     let pipeline = factory.trace_pipeline(&wgsl::traced::trace_scene(functions)?);

@@ -12,22 +12,22 @@ use crate::gpu::layout::{BoxNode, Component, FaceMaterial, Leaf, LeafPiece};
 use crate::gpu::trace::lens::three;
 use crate::solids::{AttributeList, SceneTables, TableField, TableLook};
 
-/// Boxes are larger by this share of their sides, and of the distances of their corners, so that rounding leaves nothing
-/// out.
+/// Boxes are enlarged by this fraction of their sides, and of the distances of their corners, so that rounding excludes
+/// nothing.
 const SIDE_SLACK: f64 = 1e-5;
 const CORNER_SLACK: f64 = 4e-6;
 /// The coordinates of a box that contains everything.
 const EVERYWHERE: f64 = 1e15;
-/// Stands for no parent in 15 bits.
+/// The value of "no parent" in 15 bits.
 const NO_PARENT: u32 = 0x7fff;
-/// Marks a material that lets through what depends on the place.
+/// Marks a material whose transmission depends on the point.
 const VARIES_THROUGH: u32 = 1 << 16;
 const VARIES_COLOR: u32 = 1 << 17;
 /// The material of components without glass.
 const NO_GLASS: u32 = u32::MAX;
 /// Marks a piece that a field bounds.
 const FIELD_PIECE: u32 = 255;
-/// The words of a list before its attributes.
+/// The number of words of a list before its attributes.
 const LIST_HEAD: u32 = 16;
 /// The highest bit.
 const FLAG: u32 = 1 << 31;
@@ -44,7 +44,7 @@ pub(super) struct TableBuffers {
     pub(super) places: WordPlaces,
 }
 
-/// The places among the words at which each part of them begins; the nodes begin at 0.
+/// The index among the words at which each part begins; the nodes begin at 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WordPlaces {
     pub(super) order: u32,
@@ -56,7 +56,7 @@ impl TableBuffers {
     /// Copies a scene to the device.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`] if it has no buffers of this size.
+    /// [`RenderError::Gpu`] if it does not support buffers of this size.
     pub(super) fn new(gpu: &Gpu, tables: &SceneTables) -> Result<Self, RenderError> {
         let world = &tables.world;
         let boxes = world.boxes.iter().map(|row| {
@@ -133,7 +133,7 @@ impl TableBuffers {
     }
 }
 
-/// A buffer of rows, never empty.
+/// Creates a buffer of rows, never empty.
 fn rows<T: Pod>(
     gpu: &Gpu,
     label: &str,
@@ -148,7 +148,7 @@ fn rows<T: Pod>(
     Ok(gpu.storage(label, bytes))
 }
 
-/// The corners of a box, a little further out.
+/// Returns the corners of a box, slightly enlarged.
 fn widened(bounds: Option<BoundingBox>) -> ([f32; 3], [f32; 3]) {
     let Some(BoundingBox { lower, upper }) = bounds else {
         let far = DVec3::splat(EVERYWHERE);
@@ -195,7 +195,7 @@ fn leaf(tables: &SceneTables, row: &LeafRow) -> Leaf {
     }
 }
 
-/// A piece, of a leaf that is not known yet; the first word of each field.
+/// Converts a piece; its leaf is not known yet. `fields` has the first word of each field.
 fn piece(row: &PieceRow, fields: &[u32]) -> LeafPiece {
     let piece = LeafPiece {
         literal: literal(row.literal),
@@ -222,12 +222,12 @@ fn piece(row: &PieceRow, fields: &[u32]) -> LeafPiece {
     }
 }
 
-/// The material of a look whose lists begin at a word.
+/// Returns the material of a look whose lists begin at the word `lists`.
 fn material(look: &TableLook, lists: u32) -> FaceMaterial {
     let base = look.base;
     let scattered = match look.lists[..] {
         [] => base.scattered(),
-        // What mirror and glass leave is known at a place.
+        // The remainder after mirror and glass is known only at a point.
         _ => base.diffuse.unwrap_or(-1.0),
     };
     let flag = |varies: bool, flag: u32| if varies { flag } else { 0 };
@@ -245,7 +245,7 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
     }
 }
 
-/// Adds the words of a list, as pass/trace_varied.wgsl reads them.
+/// Adds the words of a list, in the format of pass/trace_varied.wgsl.
 fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
     let flags = u32::from(list.along.is_some()) | u32::from(list.bright) << 1;
     let count = list.attributes.len() as u32;
@@ -259,18 +259,18 @@ fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
         axes.z_axis.extend(shift.z),
     ];
     if let Some([from, to]) = list.along {
-        // z from −1 to 1 as a share from 0 to 1, then the parameters.
+        // z from −1 to 1 as a fraction from 0 to 1, then the parameters.
         let share = 0.5 * rows[2] + DVec4::new(0.0, 0.0, 0.0, 0.5);
         rows = [share, DVec4::new(from, to, 0.0, 0.0), DVec4::ZERO];
     }
     let rows = rows.iter().flat_map(|row| row.to_array());
     words.extend(rows.map(|number| (number as f32).to_bits()));
-    // The numbers of the attributes stand in pass/trace_varied.wgsl.
+    // The numbers of the attributes are those of pass/trace_varied.wgsl.
     words.extend(list.attributes.iter().map(|attribute| *attribute as u32));
     words.extend(list.numbers.iter().map(|&number| used(number).to_bits()));
 }
 
-/// Adds the words of a field, as pass/trace_fields.wgsl reads them, and returns the first.
+/// Adds the words of a field, in the format of pass/trace_fields.wgsl, and returns the index of the first.
 fn add_field(words: &mut Vec<u32>, field: &TableField) -> u32 {
     let first = words.len() as u32;
     words.push(field.function);
@@ -280,7 +280,8 @@ fn add_field(words: &mut Vec<u32>, field: &TableField) -> u32 {
     first
 }
 
-/// A number that a generated function reads: what is none, or too large, stands for everything.
+/// Returns a number that a generated function reads; NaN and numbers that are too large are replaced by one that stands for
+/// everything.
 fn used(number: f64) -> f32 {
     if number.abs() < f64::from(f32::MAX) {
         number as f32
