@@ -1,14 +1,14 @@
-//! Views of a scene as pictures, in memory or on a window's GPU: wgpu painters, and a software path for machines without
-//! a GPU.
+//! Views of a scene as pictures, in memory or on a window's GPU: wgpu painters, and a software path for machines without a
+//! GPU.
 //!
 //! ```text
 //! PictureRequest ──renderer──▶ view/space.rs     samples ──gpu/ or software/──▶ RenderedImage
 //!                          └─▶ view/geodesic.rs  ends of geodesics ──resolve──▶ RenderedImage
 //! ```
 //!
-//! A picture is planned before anything is built for it ([`plan`](mod@plan)); both backends draw from the same samples
-//! with the same camera ([`camera`]) and the same constants ([`style`]). All filtering, shading and averaging happens
-//! in linear light; textures and pictures hold sRGB.
+//! A picture is planned before anything is built for it ([`plan`](mod@plan)). Both backends use the same samples, the same
+//! camera ([`camera`]) and the same constants ([`style`]). All filtering, shading and averaging is done in linear light;
+//! textures and pictures store sRGB.
 
 pub mod bounds;
 mod cache;

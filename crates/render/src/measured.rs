@@ -1,7 +1,7 @@
 //! The measures of figures, and the lines that show them.
 //!
-//! A surface and a [`Figure`] flow in; what was found flows out, with trails for a picture. So a window and a command line
-//! measure and draw the same.
+//! In: a surface and a [`Figure`]. Out: the measures, and trails for a picture. A window and a command line thus measure and
+//! draw the same.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -18,25 +18,25 @@ use scene::ObjectId;
 use crate::figure::{Figure, FigureKind};
 use crate::trail::{PlaceMark, Trail, TrailKind};
 
-/// The points of a geodesic that is drawn.
+/// The number of points of a geodesic that is drawn.
 const POINTS: u32 = 96;
-/// The points of a circle that is drawn.
+/// The number of points of a circle that is drawn.
 const RIM: u32 = 180;
-/// The radius of the mark at a place, as a share of the surface's size.
+/// The radius of the mark at a point, as a fraction of the surface's size.
 const MARK: f64 = 0.012;
 
 /// The measures of a figure.
 #[derive(Clone, Debug)]
 pub enum FigureMeasures {
-    /// Of a place.
+    /// Of a point.
     Place(PlaceMeasures),
-    /// The geodesics between two places.
+    /// The geodesics between two points.
     Distance(Connections),
-    /// A circle of a radius, or the ray that ends before it.
+    /// A circle with its radius, or the ray that ends before it.
     Circle(f64, Result<Circle, RayStop>),
     /// A triangle.
     Triangle(Box<Triangle>),
-    /// Places are missing, or no geodesic leads to the rim of a circle.
+    /// Points are missing, or no geodesic leads to the rim of a circle.
     Nothing,
 }
 
@@ -68,8 +68,8 @@ pub fn measure(surface: &dyn Surface, figure: &Figure) -> Result<FigureMeasures,
     })
 }
 
-/// Returns the lines that show a figure on the surface of an object, and the marks at its places. `finding` is what
-/// [`measure()`] gave, if it gave anything.
+/// Returns the lines that show a figure on the surface of an object, and the marks at its points. `finding` is the result of
+/// [`measure()`], if there is one.
 pub fn lines(
     surface: &dyn Surface,
     id: ObjectId,
@@ -94,7 +94,7 @@ pub fn lines(
     };
     for (letter, at) in figure.lettered() {
         let mut rings = drawing.rim(at, MARK * surface.scale().size);
-        // A ring that the border of the surface cuts in pieces has its letter once.
+        // If the border of the surface cuts a ring into pieces, the letter is written once.
         if let Some(ring) = rings.first_mut() {
             ring.mark = Some(PlaceMark { letter, at });
         }
@@ -111,7 +111,7 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// A geodesic as a line.
+    /// Returns a geodesic as a line.
     fn line(&self, it: &Connection) -> Option<Trail> {
         let lengths: Vec<f64> = (0..=POINTS)
             .map(|k| it.length * f64::from(k) / f64::from(POINTS))
@@ -122,7 +122,7 @@ impl Drawing<'_> {
         self.trail(points, it.length)
     }
 
-    /// A circle as lines: it has gaps where rays end.
+    /// Returns a circle as lines, with gaps where rays end.
     fn rim(&self, centre: [f64; 2], radius: f64) -> Vec<Trail> {
         let Ok(frame) = Frame::new(self.surface, centre, 0.0, 1.0) else {
             return Vec::new();

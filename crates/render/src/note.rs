@@ -1,18 +1,18 @@
-//! Notes for a reader of a picture.
+//! Notes for the reader of a picture.
 
 use std::fmt;
 
-/// A note for a reader of a picture: a sentence.
+/// A note for the reader of a picture: a sentence.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum Note {
-    /// About what is seen: "`p` is undefined at the current params and is not drawn".
+    /// About the content of the picture: "`p` is undefined at the current params and is not drawn".
     Remark(String),
-    /// About what the picture took, or how exact it is.
+    /// About the cost or the accuracy of the picture.
     Cost(String),
 }
 
 impl Note {
-    /// The sentence.
+    /// Returns the sentence.
     pub fn text(&self) -> &str {
         match self {
             Self::Remark(text) | Self::Cost(text) => text,

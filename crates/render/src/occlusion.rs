@@ -1,8 +1,8 @@
-//! The surfaces and solids that lie before a place of the 3D view, for labels: coarse grids of the surfaces' places, solids
-//! and a camera flow in; for a place, whether it is hidden flows out.
+//! The surfaces and solids in front of a point of the 3D view, for labels. In: coarse grids of the surfaces' points, solids
+//! and a camera. Out: whether a point is hidden.
 //!
-//! The grids are those that frame the scene, so that both backends have them without a look at the picture. They are off
-//! by a few thousandths of the surface's size, and a place is hidden only by what is clearly before it.
+//! The grids are those that frame the scene, so that both backends have them without reading the picture. Their error is a
+//! few thousandths of the surface's size, and only objects clearly in front of a point hide it.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::placement::Placement;
 use crate::point::{DrawingPoint, WorldPoint};
 use crate::solids::SolidScene;
 
-/// A surface hides what lies behind it by more than this, in drawing units.
+/// A surface hides points that are behind it by more than this, in drawing units.
 const CLEAR: f64 = 0.02;
 
-/// The surfaces and solids of a scene as a camera sees them.
+/// The surfaces and solids of a scene, as seen by a camera.
 pub(crate) struct Occlusion {
     eye: DVec3,
-    /// The direction to the eye of a camera whose lines of sight are parallel.
+    /// The direction to the eye of a camera with parallel lines of sight.
     parallel: Option<DVec3>,
     strips: Vec<RowPair>,
     solids: Option<Arc<SolidScene>>,
@@ -33,11 +33,11 @@ pub(crate) struct Occlusion {
 struct RowPair {
     object: ObjectId,
     rows: [Vec<DVec3>; 2],
-    /// The box around them: the least and the greatest coordinates.
+    /// The box around them: the smallest and the largest coordinates.
     corners: [DVec3; 2],
 }
 
-/// A part of a line of sight, from a place towards the eye.
+/// A part of a line of sight, from a point towards the eye.
 struct Sight {
     from: DVec3,
     /// A unit vector.
@@ -46,7 +46,7 @@ struct Sight {
 }
 
 impl Occlusion {
-    /// The surfaces among some objects with their coarse places.
+    /// Creates the occlusion by the surfaces among some objects, with their coarse points.
     pub(crate) fn new<'c>(
         camera: &Camera,
         objects: impl Iterator<Item = (ObjectId, &'c ObjectCloud)>,
@@ -76,13 +76,13 @@ impl Occlusion {
         }
     }
 
-    /// Returns it with solids, which hide what lies behind them too.
+    /// Returns it with solids, which also hide the points behind them.
     #[must_use]
     pub(crate) fn with_solids(self, solids: Option<Arc<SolidScene>>) -> Self {
         Self { solids, ..self }
     }
 
-    /// Returns true if a surface or a solid lies between a place and the eye, other than the one that it is the edge of.
+    /// Returns true if a surface or a solid is between a point and the eye, except the object whose edge the point is on.
     pub(crate) fn hides(&self, place: DrawingPoint, except: Option<ObjectId>) -> bool {
         let place = DVec3::from(place.0);
         let to_eye = self.eye - place;
@@ -104,7 +104,7 @@ impl Occlusion {
             || self.is_behind_solid(&sight, except)
     }
 
-    /// Returns true if another solid lies on a line of sight.
+    /// Returns true if another solid is on a line of sight.
     fn is_behind_solid(&self, sight: &Sight, except: Option<ObjectId>) -> bool {
         let Some(solids) = &self.solids else {
             return false;
@@ -145,7 +145,7 @@ impl RowPair {
 }
 
 impl Sight {
-    /// Returns true if it may go through a box.
+    /// Returns true if it may pass through a box.
     fn meets_box(&self, [low, high]: [DVec3; 2]) -> bool {
         let (mut near, mut far) = (0.0_f64, self.length);
         for k in 0..3 {
@@ -163,8 +163,8 @@ impl Sight {
         near <= far
     }
 
-    /// Returns true if it goes through a triangle (T. Möller and B. Trumbore, "Fast, minimum storage ray-triangle
-    /// intersection", 1997). One with an undefined corner is not met.
+    /// Returns true if it passes through a triangle (T. Möller and B. Trumbore, "Fast, minimum storage ray-triangle
+    /// intersection", 1997); false if a corner is undefined.
     fn meets(&self, [a, b, c]: [DVec3; 3]) -> bool {
         let (ab, ac) = (b - a, c - a);
         let across = self.towards.cross(ac);

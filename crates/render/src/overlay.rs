@@ -8,7 +8,7 @@
 //! 3D view:        a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
 //! ```
 //!
-//! Declared geodesics are objects of the scene: they are drawn whenever their surface is looked at.
+//! Declared geodesics are objects of the scene: they are drawn whenever their surface is shown.
 
 mod axes;
 mod curves;
@@ -45,8 +45,8 @@ use crate::texture::CurvatureScale;
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
 
-/// The painters that overlays need in space, beside those of the scene's objects: a geodesic camera that is shown, and
-/// trails.
+/// Returns the painters that overlays need in space, in addition to those of the scene's objects: for a displayed geodesic
+/// camera, and for trails.
 pub(crate) fn painters(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
@@ -60,14 +60,14 @@ pub(crate) fn painters(
     }
 }
 
-/// The names of what is drawn in space beside the scene's objects.
+/// Returns the names of what is drawn in space in addition to the scene's objects.
 pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a OverlayObject>) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = extras.into_iter().map(|extra| extra.name).collect();
     names.dedup();
     names
 }
 
-/// Words at the place of the geodesic camera that is shown among some objects.
+/// Returns the label at the position of the displayed geodesic camera, if some objects show one.
 pub(crate) fn here(
     objects: &[OverlayObject],
     camera: &Camera,
@@ -82,7 +82,7 @@ pub(crate) fn here(
     Some(label.hidden(occlusion.hides(place, None)))
 }
 
-/// The letters of figures among some objects.
+/// Returns the letters of figures among some objects.
 pub(crate) fn letters(
     objects: &[OverlayObject],
     camera: &Camera,
@@ -104,7 +104,7 @@ mod ink {
     pub(super) const WAVE: [u8; 3] = [110, 255, 245];
     /// Conjugate points.
     pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
-    /// The cut locus: far from the colours of geodesics.
+    /// The cut locus: clearly different from the colours of geodesics.
     pub(super) const CUT: [u8; 3] = [160, 40, 255];
     // Trails.
     const WALKED: [u8; 3] = [150, 130, 255];
@@ -119,28 +119,28 @@ mod ink {
     }
 }
 
-/// The difference from the backdrop up to which a pixel shows nothing else.
+/// The maximum difference from the backdrop of a pixel that counts as empty.
 const NEAR_BACKDROP: u8 = 2;
 
-/// Returns true if anything lies over a geodesic picture of a surface.
+/// Returns true if there is any overlay on a geodesic picture of a surface.
 pub(crate) fn any_geodesic(request: &PictureRequest, surface: ObjectId) -> bool {
     request.overlays.any()
         || request.trails_on(surface).next().is_some()
         || request.scene.geodesics_on(surface).next().is_some()
 }
 
-/// Returns true if anything lies over a 3D picture that shows this geodesic camera, if any.
+/// Returns true if there is any overlay on a 3D picture that shows this geodesic camera, if any.
 pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera>) -> bool {
     let keyed = || camera.is_some() || keyed_surfaces(request).next().is_some();
     let words = request.overlays.labels || request.overlays.axes;
     words || request.overlays.legend && keyed() || !request.trails.is_empty()
 }
 
-/// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
-/// the trails' lengths, at its place; over all of that, labels. Returns the names of what was drawn.
+/// Draws the overlays of a 3D picture: at the key's position the key to its overlays and to the colours of curvature, if the
+/// legend is on, and the lengths of trails; over all of that, labels. Returns the names of what was drawn.
 ///
 /// # Errors
-/// Those of the geodesic camera that is shown.
+/// Those of the displayed geodesic camera.
 pub(crate) fn over_space(
     image: &mut RgbaImage,
     request: &PictureRequest,
@@ -159,7 +159,7 @@ pub(crate) fn over_space(
 /// Returns true if a 3D picture has a key.
 ///
 /// # Errors
-/// Those of the geodesic camera that is shown.
+/// Those of the displayed geodesic camera.
 pub(crate) fn has_space_key(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
@@ -167,11 +167,11 @@ pub(crate) fn has_space_key(
     Ok(!space_key(request, camera)?.0.is_empty())
 }
 
-/// Returns the place of the key over a 3D picture, left, top, right and bottom in pixels, if it has one: the corner in which
-/// least is seen.
+/// Returns the rectangle of the key over a 3D picture, left, top, right and bottom in pixels, if it has one: in the corner
+/// that covers least of the scene.
 ///
 /// # Errors
-/// Those of the geodesic camera that is shown.
+/// Those of the displayed geodesic camera.
 pub(crate) fn space_key_place(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
@@ -198,7 +198,7 @@ pub(crate) fn space_key_place(
     Ok(key.place(request.size, request.scale, is_covered))
 }
 
-/// Returns the key to a 3D picture, and whether it has more than trails.
+/// Returns the key to a 3D picture, and whether it has entries other than trails.
 fn space_key(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
@@ -221,7 +221,7 @@ fn space_key(
     Ok((key, legend))
 }
 
-/// Returns the names of the surfaces that are drawn in colours of curvature, with the scales of these.
+/// Returns the names of the surfaces that are drawn in colours of curvature, with their scales.
 fn keyed_surfaces(request: &PictureRequest) -> impl Iterator<Item = (&str, CurvatureScale)> {
     let options = request.view.space();
     let objects = (0..).map(ObjectId::new).zip(&request.scene.objects);
@@ -242,12 +242,12 @@ fn wave_words(distance: f64) -> String {
     format!("wavefronts, every {}", legend::digits(distance))
 }
 
-/// The style of lines over pictures of a size: each has a dark rim, so that it is seen on anything.
+/// The style of lines over pictures of a size; each has a dark rim, so that it is visible on any background.
 #[derive(Clone, Copy, Debug)]
 struct StrokeStyle {
-    /// Half a line's width in pixels.
+    /// Half the width of a line in pixels.
     half: f32,
-    /// Half the width in pixels of a line's rim.
+    /// Half the width of a line's rim in pixels.
     rim: f32,
     decoder: Decoder,
 }
@@ -258,7 +258,7 @@ struct StrokeColour {
     srgb: [u8; 3],
     /// The colour in linear light.
     light: [f32; 3],
-    /// The share of the picture that its dark rim covers, from 0 to 1.
+    /// The opacity of its dark rim, from 0 to 1.
     rim: f32,
 }
 
@@ -272,14 +272,14 @@ impl StrokeColour {
         }
     }
 
-    /// Returns it with a solid rim: of a line that has to stand out from the image under it.
+    /// Returns it with an opaque rim, for a line that must stand out from the image under it.
     fn outlined(self) -> Self {
         Self { rim: 1.0, ..self }
     }
 }
 
 impl StrokeStyle {
-    /// The style in a picture of a size, so many times as wide as usual.
+    /// Returns the style in a picture of a size, with widths multiplied by `scale`.
     fn for_size(size: [u32; 2], scale: f32) -> Self {
         let unit = style::pixel_unit(size) * scale;
         let half = (1.1 * unit).max(0.7);
@@ -290,13 +290,13 @@ impl StrokeStyle {
         }
     }
 
-    /// Pixels as far as that from a line show nothing of it.
+    /// Returns the distance in pixels from a line beyond which pixels show nothing of it.
     #[inline(always)]
     fn reach(&self) -> f32 {
         self.rim + 0.5
     }
 
-    /// Lays a line over a pixel's bytes, so many pixels from its middle.
+    /// Draws a line over a pixel's bytes, at this distance in pixels from the line's centre.
     #[inline]
     fn ink(&self, pixel: &mut [u8], ink: &StrokeColour, distance: f32) {
         let dark = ink.rim * (self.rim - distance + 0.5).clamp(0.0, 1.0);
@@ -312,8 +312,8 @@ impl StrokeStyle {
     }
 }
 
-/// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels.
-/// The lines are `scale` times as wide as usual. Returns true if any is seen.
+/// Draws lines over a picture: `distance` returns the distance of a pixel (by its index) to the nearest line, in pixels. The
+/// widths are multiplied by `scale`. Returns true if any line is visible.
 fn stroke(
     image: &mut RgbaImage,
     (colour, scale): ([u8; 3], f32),
@@ -333,12 +333,12 @@ fn stroke(
     pixels.map(ink_pixel).reduce(|| false, any)
 }
 
-/// Lays a colour (linear light) over a pixel's bytes.
+/// Blends a colour (linear light) over a pixel's bytes.
 fn blend(pixel: &mut [u8], colour: [f32; 3], share: f32) {
     blend_by(Decoder::get(), pixel, colour, share);
 }
 
-/// As [`blend`], with the table fetched before.
+/// As [`blend`], with the table fetched in advance.
 #[inline]
 fn blend_by(decoder: Decoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
     for (byte, colour) in pixel.iter_mut().zip(colour) {
@@ -347,14 +347,14 @@ fn blend_by(decoder: Decoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
     }
 }
 
-/// Lays a colour (linear light) over a pixel that may be transparent. Its alpha is not multiplied into its colours.
+/// Blends a colour (linear light) over a pixel that may be transparent, with straight alpha.
 fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
     let under = f32::from(pixel[3]) / 255.0;
     let alpha = under + share * (1.0 - under);
     if alpha <= 0.0 {
         return;
     }
-    // What is seen of the colour beneath is a share of what is seen.
+    // The visible part of the colour beneath is a fraction of the result.
     blend(&mut pixel[..3], colour, share / alpha);
     pixel[3] = (255.0 * alpha).round() as u8;
 }
@@ -424,7 +424,7 @@ mod tests {
             };
             assert_eq!(inked(pen.half - 0.5), [77, 77, 77, under]);
             assert_eq!(inked(pen.reach()), [under; 4]);
-            // Between both there is no step.
+            // There is no step between the two.
             let mut before = inked(0.0);
             let mut distance = 0.0;
             while distance < pen.reach() {

@@ -1,8 +1,8 @@
 //! The plan of a picture: everything that it needs, decided before anything is built.
 //!
-//! A view adds to the [`Plan`] of a request what it needs ([`View::plan`](crate::view::View::plan)); it is data for
-//! `explain`. The GPU path builds exactly what the plan says ([`Plan::built`]), and tests compare its counters with it: no
-//! surface, no surface pipeline; no geodesic view, no resolve pass; no texture, no sampler.
+//! A view adds its needs to the [`Plan`] of a request ([`View::plan`](crate::view::View::plan)); `explain` prints the plan.
+//! The GPU path builds exactly what the plan lists ([`Plan::built`]), and tests compare its counters with it: no surface, no
+//! surface pipeline; no geodesic view, no resolve pass; no texture, no sampler.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,26 +18,26 @@ pub use crate::sample::Painter;
 use crate::sample::surface_roots;
 use crate::texture::Texture;
 
-/// From this many operations (samples × operations per sample) on, a generated kernel fills an object's samples on
-/// the GPU; below, f64 blocks are ready before a driver has compiled anything.
+/// The number of operations (samples × operations per sample) from which on a generated kernel fills an object's samples on
+/// the GPU; below it, f64 blocks are ready before a driver has compiled anything.
 pub const KERNEL_PAYS: u64 = 200_000_000;
 
 /// The plan of one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// True if the picture is planned for a GPU; otherwise nothing of [`Plan::built`] is.
+    /// True if the picture is planned for a GPU; otherwise [`Plan::built`] is empty.
     pub gpu: bool,
     /// The objects that are drawn in space; empty in a geodesic view.
     pub objects: Vec<ObjectPlan>,
-    /// The geodesic view, if that is the picture.
+    /// The geodesic view, if the picture is one.
     pub geodesic: Option<GeodesicPlan>,
-    /// True if the pass of the GPU traces the picture.
+    /// True if the pass on the GPU traces the picture.
     pub traced: bool,
-    /// The painters of overlays in space, beside the objects' painters.
+    /// The painters of overlays in space, in addition to the objects' painters.
     pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
-    /// A sentence for each thing that is left out, with the reason.
+    /// A sentence for each omission, with the reason.
     pub left_out: Vec<String>,
 }
 
@@ -54,12 +54,12 @@ pub struct ObjectPlan {
     pub samples: u64,
     /// The source of its samples.
     pub source: SampleSource,
-    /// The uniforms that its samples depend on.
+    /// The uniforms on which its samples depend.
     pub uniforms: Vec<u32>,
     /// Operations of its position (and direction) per sample.
     pub operations: u64,
-    /// Operations of position and first derivatives per sample (for normals), shared ones once: surfaces only;
-    /// `None` also if the derivatives explode, and the surface is drawn without normals.
+    /// Operations of position and first derivatives per sample (for normals), with shared ones counted once; for surfaces
+    /// only. Also `None` if the derivatives are too large; the surface is then drawn without normals.
     pub operations_with_normals: Option<u64>,
 }
 
@@ -68,11 +68,11 @@ pub struct ObjectPlan {
 pub struct GeodesicPlan {
     /// The surface.
     pub surface: ObjectId,
-    /// True if its ends are a table of polynomials, which a fixed pass on the GPU colours; a map pixel by pixel is
-    /// coloured on the CPU.
+    /// True if its ends are a table of polynomials, which a fixed pass on the GPU colours; a map by pixel is coloured on the
+    /// CPU.
     pub is_table: bool,
-    /// Operations of the surface's derivatives up to order two, shared ones once: what one evaluation of the
-    /// geodesic equation computes of the surface. `None` if they explode.
+    /// Operations of the surface's derivatives up to order two, with shared ones counted once: the work on the surface for
+    /// one evaluation of the geodesic equation. `None` if the derivatives are too large.
     pub derivative_operations: Option<u64>,
 }
 
@@ -92,7 +92,7 @@ pub struct Built {
     pub draw_pipelines: u32,
     /// Generated compute kernels that fill samples: one per object whose source is a kernel.
     pub sample_kernels: u32,
-    /// Fixed passes that turn a table of geodesics' ends into colours.
+    /// Fixed passes that convert a table of geodesics' ends to colours.
     pub resolve_pipelines: u32,
     /// Passes that trace pictures, each with the functions of a scene.
     pub trace_pipelines: u32,
@@ -102,7 +102,7 @@ pub struct Built {
     pub samplers: u32,
 }
 
-/// Completes a plan to which its view has added what it needs: says what is left out, and why.
+/// Completes a plan after its view has added its needs: lists the omissions with their reasons.
 pub(crate) fn complete(plan: &mut Plan) {
     if plan.textures == 0 {
         plan.left_out
@@ -140,7 +140,7 @@ pub(crate) fn complete(plan: &mut Plan) {
 }
 
 impl Plan {
-    /// A plan of nothing.
+    /// Creates an empty plan.
     pub(crate) fn new(gpu: bool) -> Self {
         Self {
             gpu,
@@ -159,7 +159,7 @@ impl Plan {
         self.textures = images.len() as u32;
     }
 
-    /// The painters in use.
+    /// Returns the painters in use.
     pub fn painters(&self) -> BTreeSet<Painter> {
         let objects = self.objects.iter().map(|object| object.painter);
         objects.chain(self.overlays.iter().copied()).collect()
@@ -176,7 +176,7 @@ impl Plan {
             .filter(|object| object.source == SampleSource::Kernel)
             .count();
         let geodesic = self.geodesic.as_ref();
-        // A map pixel by pixel is coloured on the CPU, with its image.
+        // A map by pixel is coloured on the CPU, with its image.
         let textures = if geodesic.is_some_and(|view| !view.is_table) {
             0
         } else {
@@ -193,7 +193,7 @@ impl Plan {
     }
 }
 
-/// Plans an object in space; `None` for one that has no place there.
+/// Plans an object in space; `None` for an object that is not drawn there.
 pub(crate) fn object_plan(
     scene: &Scene,
     params: &ParamValues,
@@ -229,7 +229,7 @@ pub(crate) fn object_plan(
     })
 }
 
-/// Samples of all instances of an object.
+/// Returns the number of samples of all instances of an object.
 pub(crate) fn samples(scene: &Scene, params: &ParamValues, object: &Object) -> u64 {
     params
         .instance_count(scene, object)
@@ -252,22 +252,23 @@ fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
     instances.any(|instance| breaks.may_occur(domain, &params.instance(scene, object, instance)))
 }
 
-/// Operations of one sample of an object, of a surface with its normal.
+/// Returns the operations of one sample of an object; for a surface, with its normal.
 pub(crate) fn operations(scene: &Scene, object: &Object) -> u64 {
     operations_with_normals(scene, object)
         .unwrap_or_else(|| count(&scene.graph, &object.shape.roots()))
         .max(1)
 }
 
-/// Operations of one sample of a surface with its normal; `None` for other objects, and if the derivatives explode.
+/// Returns the operations of one sample of a surface with its normal; `None` for other objects, and if the derivatives are
+/// too large.
 fn operations_with_normals(scene: &Scene, object: &Object) -> Option<u64> {
     let (position, _) = object.shape.surface()?;
     let (graph, roots) = surface_roots(scene, position)?;
     Some(count(&graph, &roots))
 }
 
-/// Operations of a surface's derivatives up to order two, or of a metric's that its geodesics need; `None` if they
-/// explode.
+/// Returns the operations of a surface's derivatives up to order two, or of the derivatives of a metric that its geodesics
+/// need; `None` if they are too large.
 pub(crate) fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {
     let shape = &scene.get(surface)?.shape;
     if let Some((components, _)) = shape.metric() {
@@ -283,7 +284,7 @@ pub(crate) fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<
     Some(count(&graph, &all))
 }
 
-/// Operations of E, F, G, their first derivatives, and the second ones that the curvature takes.
+/// Returns the operations of E, F, G, their first derivatives, and the second derivatives that the curvature needs.
 fn form_operations(scene: &Scene, components: &[NodeId; 3]) -> Option<u64> {
     let (mut graph, form) = scene.graph.extract(components);
     let (u, v) = (Input::Variable(0), Input::Variable(1));

@@ -1,17 +1,17 @@
-//! The meaning of two or three numbers: a place in the picture, a place in space in one of two units.
+//! Types for two or three numbers: a position in the picture, or a point in space in one of two units.
 //!
-//! Signatures between modules use these types, so that a place in the scene's units is not passed for one in drawing
+//! Signatures between modules use these types, so that a point in the scene's units is not mistaken for one in drawing
 //! units. Inner loops unwrap them once and work on arrays.
 
-/// A place in a picture, in pixels from its top left corner: right, down.
+/// A position in a picture, in pixels from its top left corner: right, down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelPoint(pub [f64; 2]);
 
-/// A place in space, in the scene's units.
+/// A point in space, in the scene's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldPoint(pub [f64; 3]);
 
-/// A place in space, in the drawing units of a [`Placement`](crate::placement::Placement).
+/// A point in space, in the drawing units of a [`Placement`](crate::placement::Placement).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawingPoint(pub [f64; 3]);
 

@@ -1,4 +1,4 @@
-//! The result of rendering: a picture with all that belongs to it.
+//! The result of rendering: a picture with its notes and costs.
 
 use std::fmt;
 use std::time::Duration;
@@ -15,13 +15,13 @@ pub enum BackendUsed {
     Gpu(String),
     /// The software path.
     Software {
-        /// The reason for which it was this one, as it stands behind a comma: "because this machine has no GPU".
+        /// The reason for this backend, as it follows a comma: "because this machine has no GPU".
         reason: Option<String>,
     },
 }
 
 impl BackendUsed {
-    /// The software path, for no reason that a reader need know.
+    /// The software path, without a reason that the reader needs to know.
     pub const SOFTWARE: Self = Self::Software { reason: None };
 }
 
@@ -37,32 +37,31 @@ impl fmt::Display for BackendUsed {
     }
 }
 
-/// A picture that has been drawn. `P` is where its pixels are: an `RgbaImage` in memory, or wherever a renderer has left
-/// them ([`Pixels`]).
+/// A picture that has been drawn. `P` stores the pixels: an `RgbaImage` in memory, or the storage of a renderer
+/// ([`Pixels`]).
 #[derive(Clone, Debug)]
 pub struct RenderedImage<P = Pixels> {
-    /// The pixels: sRGB, top row first; opaque but for a background with an alpha. In memory, alpha is not multiplied
-    /// into the colours.
+    /// The pixels: sRGB, top row first; opaque except for a background with an alpha. In memory, alpha is straight.
     pub image: P,
-    /// The backend that drew it; for a picture in a file also why it was this one.
+    /// The backend that drew it; for a picture in a file, with the reason.
     pub backend: BackendUsed,
-    /// The notes for a reader of the picture.
+    /// The notes for the reader of the picture.
     pub notes: Vec<Note>,
-    /// The names of what has been drawn over it: nothing unless the request has overlays, or the scene declares
-    /// geodesics on the surface that is seen from inside.
+    /// The names of its overlays: empty unless the request has overlays, or the scene declares geodesics on the surface that
+    /// is seen from inside.
     pub overlays: Vec<&'static str>,
-    /// The work that a geodesic view took, and the greatest estimated error of its geodesics, in pixels.
+    /// The work for a geodesic view, and the largest estimated error of its geodesics, in pixels.
     pub geodesics: Option<(GeodesicWork, Option<Estimate>)>,
-    /// Of a 3D picture or a traced one: the place of its legend, left, top, right and bottom in pixels, if it has one.
+    /// For a 3D picture or a traced one, the rectangle of its legend, if it has one: left, top, right and bottom in pixels.
     pub legend: Option<[f32; 4]>,
-    /// Of a traced picture: the samples of each pixel, and those of them that are new.
+    /// For a traced picture, the number of samples of each pixel, and of those that are new.
     pub samples: Option<[u32; 2]>,
-    /// The time from the request to the picture (on a GPU: until it was handed over).
+    /// The time from the request to the picture (on a GPU: until it was submitted).
     pub took: Duration,
 }
 
 impl<P> RenderedImage<P> {
-    /// A picture of the software path of which there is nothing to be said.
+    /// Creates a picture of the software path without notes.
     pub fn new(image: P) -> Self {
         Self {
             image,
@@ -76,7 +75,7 @@ impl<P> RenderedImage<P> {
         }
     }
 
-    /// Returns the notes about what is seen: without those that say what the picture took and how exact it is.
+    /// Returns the notes on the content of the picture, without those on its cost and accuracy.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         self.notes.iter().filter_map(|note| match note {
             Note::Remark(text) => Some(&**text),
@@ -84,7 +83,7 @@ impl<P> RenderedImage<P> {
         })
     }
 
-    /// Returns the picture with its pixels elsewhere.
+    /// Returns the picture with other storage for its pixels.
     pub fn with_pixels<Q>(self, image: Q) -> RenderedImage<Q> {
         RenderedImage {
             image,

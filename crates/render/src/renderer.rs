@@ -1,14 +1,14 @@
-//! The renderer: draws views of a scene again and again, while the scene is edited, its params move and its cameras walk.
-//! A picture for a file is a renderer that draws one picture.
+//! The renderer: draws views of a scene repeatedly, while the scene is edited and its params and cameras move. A picture for
+//! a file is drawn by a renderer that draws one picture.
 //!
 //! ```text
 //! PictureRequest ──Views──▶ ViewRenderer (view/*.rs) ──▶ RenderedImage
 //!                              │ samples, framing, GPU: view::SharedState
 //! ```
 //!
-//! A [`Renderer`] keeps from one picture to the next what both need: samples, pipelines, textures, geodesics. They are
-//! looked up by their content, so that an edit of one object leaves those of all others alone. A renderer belongs to one
-//! thread at a time; it never draws a picture by itself.
+//! A [`Renderer`] keeps from one picture to the next what both need: samples, pipelines, textures, geodesics. Their keys are
+//! their contents, so that an edit of one object does not affect those of other objects. One thread at a time uses a
+//! renderer; it never draws a picture on its own initiative.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ use crate::shared::Shared;
 use crate::texture::Texture;
 use crate::view::{Hit, Interrupt, SharedState, ViewId, ViewRenderer, Views};
 
-/// Pictures that are kept, each of another view.
+/// The number of pictures that are kept, each of a different view.
 const KEPT: usize = 6;
 
 /// Draws the views of one window, or a picture for a file.
@@ -44,13 +44,13 @@ pub struct Renderer {
     /// The state of each view that has been drawn, by its name.
     renderers: BTreeMap<&'static str, Box<dyn ViewRenderer>>,
     shared: SharedState,
-    /// The last picture of each view; the one that was drawn last is the last one.
+    /// The last picture of each view; the most recently drawn one is last.
     kept: Vec<(ViewId, KeptImage)>,
     curvatures: Option<Curvatures>,
     pictures: u64,
 }
 
-/// A picture that has been drawn, with all that it depends on.
+/// A picture that has been drawn, with everything on which it depends.
 #[derive(Debug)]
 struct KeptImage {
     request: PictureRequest,
@@ -58,7 +58,7 @@ struct KeptImage {
     image: RenderedImage,
 }
 
-/// Textures of curvature, of a scene with its params.
+/// The textures of curvature of a scene with its params.
 #[derive(Debug)]
 struct Curvatures {
     scene: Shared<Scene>,
@@ -66,8 +66,8 @@ struct Curvatures {
     textures: Vec<(ObjectId, Shared<Texture>)>,
 }
 
-/// Draws one picture for print in [layers](crate::layers), on the software path, which knows what hides what. `progress`
-/// receives the share that is done, from 0 to 1, from any thread.
+/// Draws one picture for print in [layers](crate::layers), on the software path, which knows the hidden parts of lines.
+/// `progress` receives the completed fraction, from 0 to 1, from any thread.
 ///
 /// # Errors
 /// As [`render`].
@@ -80,13 +80,13 @@ pub fn render_layers(
     renderer.draw_layers(request, progress)
 }
 
-/// Draws one picture for a file. `progress` receives the share that is done, from 0 to 1, from any thread.
+/// Draws one picture for a file. `progress` receives the completed fraction, from 0 to 1, from any thread.
 ///
-/// [`Backend::Auto`] takes a real GPU where there is one and the software path otherwise; [`RenderedImage::backend`] says
+/// [`Backend::Auto`] uses a real GPU if there is one and the software path otherwise; [`RenderedImage::backend`] reports
 /// which and why.
 ///
 /// # Errors
-/// See [`RenderError`]; nothing a scene or a request holds leads to a panic.
+/// See [`RenderError`]; no scene and no request causes a panic.
 pub fn render(
     views: &Views,
     request: &PictureRequest,
@@ -96,11 +96,11 @@ pub fn render(
     draw_for_file(views, request, backend, progress, |renderer| renderer)
 }
 
-/// Draws one picture for a file as [`render`] does, until it is done or `interrupt` answers. What a view refines sample by
-/// sample is returned with the samples that all pixels have then, and a note that says how many.
+/// Draws one picture for a file as [`render`] does, until it is complete or `interrupt` asks to stop. A view with
+/// progressive sampling then returns the samples that all pixels have, with a note of their number.
 ///
 /// # Errors
-/// As [`render`]; [`RenderError::Interrupted`] if no sample of all pixels was done.
+/// As [`render`]; [`RenderError::Interrupted`] if no sample of all pixels was complete.
 pub fn render_until(
     views: &Views,
     request: &PictureRequest,
@@ -138,7 +138,7 @@ fn draw_for_file(
         Backend::Software => by_software("as requested".to_owned()),
         Backend::Auto => match Gpu::shared_real().and_then(on) {
             Err(RenderError::NoGpu { reason }) => by_software(format!("because {reason}")),
-            // A driver that fails must not cost the picture; its message is not lost.
+            // If a driver fails, the software path still draws the picture, and the message is reported.
             Err(RenderError::Gpu(message)) => {
                 by_software(format!("because the GPU failed: {message}"))
             }
@@ -147,7 +147,7 @@ fn draw_for_file(
     }
 }
 
-/// The request with the scene that the values of its params make, where they change more than numbers.
+/// Returns the request with the scene for the values of its params, if they change more than numbers.
 fn with_scene_of_params(request: &PictureRequest) -> Cow<'_, PictureRequest> {
     if request.scene.rerun.is_none() {
         return Cow::Borrowed(request);
@@ -160,12 +160,12 @@ fn with_scene_of_params(request: &PictureRequest) -> Cow<'_, PictureRequest> {
 }
 
 impl Renderer {
-    /// A renderer on the software path.
+    /// Creates a renderer on the software path.
     pub fn software() -> Self {
         Self::default()
     }
 
-    /// A renderer on a GPU. The device may be a window's own: then [`Pixels::Texture`] can be shown as it is.
+    /// Creates a renderer on a GPU. If the device is a window's own, [`Pixels::Texture`] can be displayed directly.
     pub fn on_gpu(gpu: Arc<Gpu>) -> Self {
         let mut renderer = Self::default();
         renderer.shared.gpu = Some(Box::new(GpuRenderer::new(gpu)));
@@ -180,8 +180,8 @@ impl Renderer {
         self
     }
 
-    /// Returns the renderer with a kernel for an object's samples from this number of operations on, instead of
-    /// [`crate::plan::KERNEL_PAYS`]: for tests, which have no time for objects as large as that.
+    /// Returns the renderer with kernels for samples from this number of operations on, instead of
+    /// [`crate::plan::KERNEL_PAYS`]: for tests, which do not have time for objects of that size.
     #[must_use]
     pub fn with_kernels_from(mut self, operations: u64) -> Self {
         if let Some(gpu) = &mut self.shared.gpu {
@@ -190,43 +190,41 @@ impl Renderer {
         self
     }
 
-    /// Returns the renderer with a question that it asks while a picture that takes long is drawn: whether to give it up,
-    /// with [`RenderError::Interrupted`]. What has been found of it is kept for the next picture.
+    /// Returns the renderer with a callback that it asks during a long picture whether to abandon it, with
+    /// [`RenderError::Interrupted`]. Partial results are kept for the next picture.
     #[must_use]
     pub fn with_interrupt(mut self, interrupt: Interrupt) -> Self {
         self.shared.interrupt = interrupt;
         self
     }
 
-    /// The views that it draws.
+    /// Returns the views that it draws.
     pub fn views(&self) -> &Views {
         &self.views
     }
 
-    /// Returns true if kernels or the pass of traced pictures are being built, behind the pictures.
+    /// Returns true if kernels or the pass of traced pictures are being built in the background.
     pub fn is_building(&self) -> bool {
         let gpu = self.shared.gpu.as_ref();
         gpu.is_some_and(|gpu| gpu.is_building())
     }
 
-    /// The GPU that it draws on, if it does.
+    /// Returns the GPU that it draws on, if any.
     pub fn gpu(&self) -> Option<&Arc<Gpu>> {
         self.shared.gpu()
     }
 
-    /// Returns true if its GPU is gone for good: then a new renderer is needed, on another device or on the software
-    /// path.
+    /// Returns true if its GPU is lost for good: then a new renderer is needed, on another device or on the software path.
     pub fn is_lost(&self) -> bool {
         self.gpu().is_some_and(|gpu| gpu.is_lost())
     }
 
     /// Draws a view.
     ///
-    /// Unlike [`render`], which measures each scene anew, a renderer draws in the bounds of the first scene that it was
-    /// given until a scene has outgrown them (see [`Renderer::bounds`]): while params move and declarations change, the
-    /// first camera stays where it is.
+    /// Unlike [`render`], which measures each scene anew, a renderer keeps the bounds of the first scene until a scene
+    /// exceeds them (see [`Renderer::bounds`]): while params move and declarations change, the initial camera does not move.
     ///
-    /// The last picture of each view is not drawn again: an equal request gets the same pixels.
+    /// The last picture of each view is not drawn again: an equal request returns the same pixels.
     ///
     /// # Errors
     /// As [`render`].
@@ -271,8 +269,8 @@ impl Renderer {
         Ok(image)
     }
 
-    /// Draws a picture for a file: in memory, in parts where it is large, and with all kernels that it is planned with.
-    /// `progress` receives the share that is done, from 0 to 1, from any thread.
+    /// Draws a picture for a file: in memory, in parts if it is large, and with all its planned kernels. `progress` receives
+    /// the completed fraction, from 0 to 1, from any thread.
     ///
     /// # Errors
     /// As [`render`].
@@ -284,7 +282,7 @@ impl Renderer {
         self.draw_counted(request, progress).map(|(image, _)| image)
     }
 
-    /// Draws as [`Renderer::draw_once`] does, and returns the counts of what was built too.
+    /// Draws as [`Renderer::draw_once`] does, and also returns the counts of what was built.
     ///
     /// # Errors
     /// As [`render`].
@@ -334,7 +332,7 @@ impl Renderer {
         Ok(image)
     }
 
-    /// Returns the renderer of a request's view, and the state that it shares with others.
+    /// Returns the renderer of a request's view, and the state that views share.
     ///
     /// # Errors
     /// [`RenderError::NoView`].
@@ -353,7 +351,7 @@ impl Renderer {
         Ok((&mut **renderer, &mut self.shared))
     }
 
-    /// The request with the textures of the surfaces that show their curvature; they are made anew only where the scene
+    /// Returns the request with the textures of the surfaces that show their curvature; they are made anew only if the scene
     /// or its params have changed.
     fn with_curvatures<'r>(&mut self, request: &'r PictureRequest) -> Cow<'r, PictureRequest> {
         if request.curved.is_empty() {
@@ -372,15 +370,15 @@ impl Renderer {
         Cow::Owned(whole)
     }
 
-    /// A picture of this renderer in memory. Waits for the GPU if it is there.
+    /// Returns a picture of this renderer in memory. Waits for the GPU if it is there.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`] if the device is lost, or the picture is another renderer's.
+    /// [`RenderError::Gpu`] if the device is lost, or the picture belongs to another renderer.
     pub fn read(&self, pixels: Pixels) -> Result<RgbaImage, RenderError> {
         self.shared.read(pixels)
     }
 
-    /// Returns the object and place that a view shows at a pixel; `None` where it shows nothing, or does not support
+    /// Returns the object and point that a view shows at a pixel; `None` if it shows nothing there, or does not support
     /// picking.
     ///
     /// # Errors
@@ -396,7 +394,7 @@ impl Renderer {
         renderer.pick(shared, &request, at)
     }
 
-    /// The camera in space that a request has, in the drawing units of the renderer's bounds.
+    /// Returns the camera in space of a request, in the drawing units of the renderer's bounds.
     ///
     /// # Errors
     /// [`RenderError::Camera`], also for a view that has no such camera.
@@ -411,14 +409,14 @@ impl Renderer {
         })
     }
 
-    /// The bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
-    /// camera without a place of its own frames them.
+    /// Returns the bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
+    /// camera without a given position frames them.
     pub fn bounds(&self) -> Option<Arc<Bounds>> {
         self.shared.bounds()
     }
 
-    /// Draws in other bounds from now on; `None` stands for those of the scene that is drawn next, as when all of it is
-    /// to be seen.
+    /// Sets other bounds for the next pictures; with `None`, those of the next scene are used, for example to show all of
+    /// it.
     pub fn set_bounds(&mut self, bounds: Option<Arc<Bounds>>) {
         self.shared.framing.keep(bounds);
     }
@@ -435,7 +433,7 @@ impl Renderer {
 }
 
 impl KeptImage {
-    /// Returns true if a request in these bounds would give the same picture.
+    /// Returns true if a request in these bounds would produce the same picture.
     fn is_for(&self, request: &PictureRequest, bounds: Option<&Arc<Bounds>>) -> bool {
         let same_bounds = match (&self.bounds, bounds) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -447,12 +445,12 @@ impl KeptImage {
 }
 
 impl Curvatures {
-    /// Returns true if the textures are those of a request's scene and params.
+    /// Returns true if the textures belong to a request's scene and params.
     fn is_for(&self, request: &PictureRequest) -> bool {
         self.scene == request.scene && self.params == request.params
     }
 
-    /// Returns the texture of a surface, which is made the first time; `None` if its derivatives are too large.
+    /// Returns the texture of a surface, which is made on first use; `None` if its derivatives are too large.
     fn texture(&mut self, id: ObjectId) -> Option<Shared<Texture>> {
         if let Some((_, texture)) = self.textures.iter().find(|(it, _)| *it == id) {
             return Some(texture.clone());
@@ -464,7 +462,7 @@ impl Curvatures {
     }
 }
 
-/// A copy of a picture, in the memory of the one that was kept before.
+/// Copies a picture, into the memory of the previously kept one if possible.
 fn copied(image: &RenderedImage, before: Option<KeptImage>) -> RenderedImage {
     let before = before.map(|kept| kept.image.image);
     let pixels = match (before, &image.image) {

@@ -1,5 +1,5 @@
-//! The picture request: a [`PictureRequest`] holds all that a picture depends on, as data that can be compared. It is
-//! the same from a pane of a window, or a command line, down to what draws.
+//! The picture request: a [`PictureRequest`] holds everything on which a picture depends, as data that can be compared. It
+//! is passed unchanged from a pane of a window, or a command line, to the code that draws.
 
 mod colours;
 pub mod part;
@@ -19,44 +19,44 @@ use crate::style::{self, Theme};
 use crate::texture::Texture;
 use crate::trail::Trail;
 
-/// One picture to be drawn. Equal requests are for equal pictures.
+/// One picture to be drawn. Equal requests produce equal pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureRequest {
     /// The scene.
     pub scene: Shared<Scene>,
     /// The values of its params and grids.
     pub params: Arc<ParamValues>,
-    /// The view, its camera, and the options that this view alone reads.
+    /// The view, its camera, and the options that only this view reads.
     pub view: ViewPart,
     /// Width and height in pixels, each from 1 to [`MAX_SIDE`].
     pub size: [u32; 2],
-    /// The images of surfaces, of which the last one counts; a surface that is not listed shows
+    /// The images of surfaces; the last entry for a surface counts. A surface that is not listed shows
     /// [`Texture::orientation`].
     pub textures: Vec<(ObjectId, Shared<Texture>)>,
-    /// The images that the program names, by their words. An object shows the one that it states, unless it has another among
-    /// [`PictureRequest::textures`].
+    /// The images that the program names, by their names. An object shows the image that it specifies, unless
+    /// [`PictureRequest::textures`] has another one for it.
     pub images: Vec<(String, Shared<Texture>)>,
-    /// The image of the declared background, instead of one that it states.
+    /// The image of the declared background; it replaces the one that the background specifies.
     pub background_image: Option<Shared<Texture>>,
-    /// Surfaces whose images lie on them the other way up: their top row is v max. Of [`Texture::orientation`], only the
-    /// letters are turned over.
+    /// Surfaces whose images are upside down: their top row is v max. For [`Texture::orientation`], only the letters are
+    /// flipped.
     pub flipped: Vec<ObjectId>,
-    /// Surfaces that show their [curvature](Texture::curvature) instead. A renderer makes these textures and keeps them
-    /// while the scene and its param values stay.
+    /// Surfaces that show their [curvature](Texture::curvature) instead. A renderer makes these textures and keeps them as
+    /// long as the scene and its param values do not change.
     pub curved: Vec<ObjectId>,
     /// The medium for which the colours of [`crate::style`] are chosen.
     pub theme: Theme,
-    /// Colours (sRGB) other than those of [`crate::style`]; a surface's colour multiplies its texture.
+    /// Colours (sRGB) that override those of [`crate::style`]; a surface's colour multiplies its texture.
     pub colours: Vec<(ObjectId, [u8; 3])>,
     /// The overlays that are drawn over the picture.
     pub overlays: Overlays,
     /// The factor of the widths of lines and points and of the heights of words, 1 by default; positive.
     pub scale: f32,
-    /// Paths that geodesic cameras have walked: views draw them, with their lengths.
+    /// Paths of geodesic cameras: views draw them, with their lengths.
     pub trails: Vec<Shared<Trail>>,
-    /// True if the view moves, and a picture at once is worth more than a fine one: then a geodesic view may be off by
-    /// [`MOVING_TOLERANCE`](crate::geodesic_view::MOVING_TOLERANCE) pixels, and the software path blurs what it sees at
-    /// a flat angle.
+    /// True if the view moves, and speed matters more than quality: the error of a geodesic view may then be
+    /// [`MOVING_TOLERANCE`](crate::geodesic_view::MOVING_TOLERANCE) pixels, and the software path blurs surfaces at a
+    /// grazing angle.
     pub moving: bool,
 }
 
@@ -67,14 +67,13 @@ pub struct Overlays {
     pub legend: bool,
     /// Geodesic circles at equal distances around the camera.
     pub wavefronts: Option<Spacing>,
-    /// The conjugate points, where geodesics from the camera meet those that start beside them: the Jacobi field is
-    /// zero there.
+    /// The conjugate points, where geodesics from the camera meet their neighbours again: the Jacobi field is zero there.
     pub conjugate_points: bool,
-    /// The line beyond which a pixel's point is nearer to the camera by another way.
+    /// The line beyond which another way from the camera to a pixel's point is shorter.
     pub cut_locus: bool,
     /// The estimated error, painted over the picture.
     pub error: bool,
-    /// Names at what is seen.
+    /// Names at the visible objects.
     pub labels: bool,
     /// In space, a box around the scene with ticks.
     pub axes: bool,
@@ -85,7 +84,7 @@ pub struct Overlays {
 /// The distance between wavefronts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
-    /// A round distance that gives about five of them.
+    /// A round distance that results in about five of them.
     Auto,
     /// This distance, in the surface's units; positive.
     Every(f64),
@@ -94,7 +93,7 @@ pub enum Spacing {
 /// The device that draws a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Backend {
-    /// A real GPU where there is one, else the software path.
+    /// A real GPU if there is one, otherwise the software path.
     #[default]
     Auto,
     /// A GPU (a software implementation of Vulkan counts), or an error.
@@ -104,7 +103,7 @@ pub enum Backend {
 }
 
 impl PictureRequest {
-    /// A picture of a view, everything else at its default.
+    /// Creates a picture of a view, with defaults for everything else.
     pub fn new(
         scene: impl Into<Shared<Scene>>,
         params: impl Into<Arc<ParamValues>>,
@@ -130,12 +129,12 @@ impl PictureRequest {
         }
     }
 
-    /// The texture of a surface.
+    /// Returns the texture of a surface.
     pub fn texture(&self, object: ObjectId) -> Arc<Texture> {
         self.texture_seen(object, false)
     }
 
-    /// The texture of a surface as the geodesic view has it: one colour would show nothing of how the surface bends.
+    /// Returns the texture of a surface in the geodesic view: a single colour would not show how the surface bends.
     pub(crate) fn texture_inside(&self, object: ObjectId) -> Arc<Texture> {
         match self.own_texture(object) {
             None if self.states_colour(object) => Texture::checker(),
@@ -143,14 +142,15 @@ impl PictureRequest {
         }
     }
 
-    /// The texture of a surface in space. The letters of the built-in one are read from the outside of a closed surface.
+    /// Returns the texture of a surface in space. The letters of the built-in one read correctly from the outside of a
+    /// closed surface.
     pub fn texture_in_space(&self, object: ObjectId) -> Arc<Texture> {
         let cloud = |object| ObjectCloud::new(&self.scene, &self.params, object);
         let closed = self.scene.get(object).map(cloud);
         self.texture_of_closed(object, closed.and_then(|cloud| cloud.closed))
     }
 
-    /// The texture of a surface in space that is closed as this says, if it is.
+    /// Returns the texture of a surface in space; `closed` describes the surface if it is closed.
     pub(crate) fn texture_of_closed(
         &self,
         object: ObjectId,
@@ -160,22 +160,22 @@ impl PictureRequest {
         self.texture_seen(object, points_inwards)
     }
 
-    /// The texture of a surface; `from_behind` if the built-in one is to be read from the side that σu×σv does not point
-    /// to.
+    /// Returns the texture of a surface. With `from_behind`, the built-in one reads correctly from the side that σu×σv
+    /// points away from.
     fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {
         let flipped = self.flipped.contains(&object);
         match self.own_texture(object) {
-            // Colours of curvature have their place on the surface.
+            // Colours of curvature are tied to points of the surface.
             Some(texture) if flipped && texture.curvature_scale().is_none() => texture.flipped(),
             Some(texture) => texture.arc().clone(),
-            // A colour that is stated is not seen through letters.
+            // Letters would hide a specified colour.
             None if self.states_colour(object) => Texture::plain(),
             None if flipped != from_behind => Texture::orientation_from_behind(),
             None => Texture::orientation(),
         }
     }
 
-    /// The image that was chosen for an object, else the one that it states.
+    /// Returns the image that was chosen for an object, otherwise the one that it specifies.
     pub(crate) fn own_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
         self.chosen_texture(object).or_else(|| {
             let attributes = &self.scene.get(object)?.attributes;
@@ -183,14 +183,14 @@ impl PictureRequest {
         })
     }
 
-    /// The image that was chosen for an object.
+    /// Returns the image that was chosen for an object.
     pub(crate) fn chosen_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
         let mut chosen = self.textures.iter().rev();
         let (_, texture) = chosen.find(|(id, _)| *id == object)?;
         Some(texture)
     }
 
-    /// An image that the program names.
+    /// Returns an image that the program names.
     pub(crate) fn image(&self, word: &str) -> Option<&Shared<Texture>> {
         let (_, image) = self.images.iter().find(|(known, _)| known == word)?;
         Some(image)
@@ -202,13 +202,13 @@ impl PictureRequest {
         !self.curved.is_empty() || textures.any(|(_, it)| it.curvature_scale().is_some())
     }
 
-    /// The colour of the lines of axes, sRGB: between that of the backdrop and its opposite.
+    /// Returns the colour of the lines of axes, sRGB: between that of the backdrop and its opposite.
     pub(crate) fn axes_colour(&self) -> [u8; 3] {
         let [r, g, b] = self.backdrop().map(u32::from);
         if r + g + b > 384 { [110; 3] } else { [165; 3] }
     }
 
-    /// The colour behind everything, sRGB: that of the picture's backdrop where it has one.
+    /// Returns the colour behind everything, sRGB: that of the picture's backdrop if it has one.
     pub(crate) fn backdrop(&self) -> [u8; 3] {
         let background = self.view.space().and_then(|space| space.background);
         match background {
@@ -220,23 +220,23 @@ impl PictureRequest {
         }
     }
 
-    /// The options of the view that draws the request.
+    /// Returns the options of the view that draws the request.
     ///
     /// # Errors
-    /// [`RenderError::NoView`] if they are another view's, which claims this view's name.
+    /// [`RenderError::NoView`] if they belong to another view with this view's name.
     pub(crate) fn options<T: ViewOptions>(&self) -> Result<&T, RenderError> {
         self.view.get().ok_or_else(|| RenderError::NoView {
             name: self.view.name().to_owned(),
         })
     }
 
-    /// The trails on a surface.
+    /// Returns the trails on a surface.
     pub fn trails_on(&self, surface: ObjectId) -> impl Iterator<Item = &Trail> {
         let trails = self.trails.iter().map(|trail| &**trail);
         trails.filter(move |trail| trail.surface == surface && trail.points.len() > 1)
     }
 
-    /// Returns the request with the textures of the surfaces that show their curvature as images.
+    /// Returns the request with the textures of the surfaces that show their curvature, as images.
     pub fn with_curvatures(self) -> Self {
         let (scene, params) = (self.scene.clone(), self.params.clone());
         self.with_curvatures_from(|id| {
@@ -245,8 +245,8 @@ impl PictureRequest {
         })
     }
 
-    /// As [`Self::with_curvatures`], with the textures that `texture` returns. A surface without one, since its derivatives are
-    /// too large, shows what it would show otherwise.
+    /// As [`Self::with_curvatures`], with the textures that `texture` returns. A surface without one, because its
+    /// derivatives are too large, keeps its other texture.
     pub(crate) fn with_curvatures_from(
         mut self,
         mut texture: impl FnMut(ObjectId) -> Option<Shared<Texture>>,
@@ -280,7 +280,7 @@ impl Overlays {
 }
 
 impl Spacing {
-    /// The distance in numbers, for a view that reaches as far as `zoom`.
+    /// Returns the distance as a number, for a view that extends to the distance `zoom`.
     pub fn distance(self, zoom: f64) -> f64 {
         match self {
             Self::Every(distance) => distance,

@@ -1,10 +1,10 @@
-//! Samples of the objects, from f64 blocks: what painters draw.
+//! Samples of objects, from f64 blocks: the input of painters.
 //!
-//! An object and the param values flow in, arrays of plain samples flow out, relative to a [`Placement`]. A generated
-//! kernel on the GPU fills buffers of the same layout; a painter never knows which source it draws from.
+//! In: an object and the param values. Out: arrays of plain samples, relative to a [`Placement`]. A generated kernel on the
+//! GPU fills buffers of the same layout; a painter does not know the source of its samples.
 //!
-//! The order is instance by instance; within a surface row by row of constant v, u fastest: sample (i, j) of
-//! instance k stands at `(k·count_v + j)·count_u + i`.
+//! The order is instance by instance; within a surface row by row of constant v, u fastest: sample (i, j) of instance k is
+//! at index `(k·count_v + j)·count_u + i`.
 
 use bytemuck::{Pod, Zeroable};
 use expr::tape::Tape;
@@ -22,29 +22,29 @@ mod surface;
 
 pub(crate) use sampler::{Resolution, Sampler};
 
-/// A surface's normal that does not exist (a pole, a crease) is taken this share of the domain further inside.
+/// A surface's normal that does not exist (at a pole, a crease) is evaluated this fraction of the domain further inside.
 pub const NORMAL_NUDGE: f64 = 1e-4;
-/// σu and σv, each times its domain's width, count as parallel where |σu×σv| is at most this times the square of
-/// the longer one.
+/// σu and σv, each scaled by its domain's width, count as parallel if |σu×σv| is at most this times the square of the longer
+/// one.
 pub const DEGENERATE: f64 = 1e-7;
-/// Points further than this from the scene's centre, in drawing units, are taken as undefined.
+/// Points farther than this from the scene's centre, in drawing units, count as undefined.
 pub const HORIZON: f64 = 1e6;
 
-/// The value of `defined` of a sample behind which a curve or a surface breaks off, at a pole or a jump.
+/// The value of `defined` of a sample after which a curve or a surface breaks off, at a pole or a jump.
 const LAST: f32 = 2.0;
 
-/// A place in drawing units: a point, or a sample of a curve. 16 bytes.
+/// A position in drawing units: a point, or a sample of a curve. 16 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PositionSample {
-    /// The place in drawing units; zero where undefined.
+    /// The position in drawing units; zero if undefined.
     pub position: [f32; 3],
-    /// 0 where undefined, else 1; 2 where a curve breaks off behind it.
+    /// 0 if undefined, otherwise 1; 2 if a curve breaks off after it.
     pub defined: f32,
 }
 
 impl PositionSample {
-    /// Returns whether a curve breaks off behind it.
+    /// Returns whether a curve breaks off after it.
     pub fn is_last(&self) -> bool {
         self.defined == LAST
     }
@@ -63,7 +63,7 @@ impl SurfaceSample {
 pub struct VectorSample {
     /// Its origin.
     pub origin: [f32; 3],
-    /// 1 where origin and direction are defined, else 0.
+    /// 1 if origin and direction are defined, otherwise 0.
     pub defined: f32,
     /// The vector from its start to its tip.
     pub direction: [f32; 3],
@@ -71,16 +71,16 @@ pub struct VectorSample {
     pub padding: f32,
 }
 
-/// A vertex of a surface. 32 bytes. Its texture coordinates follow from its place in the grid:
-/// (i/(count_u − 1), j/(count_v − 1)).
+/// A vertex of a surface. 32 bytes. Its texture coordinates follow from its position in the grid: (i/(count_u − 1),
+/// j/(count_v − 1)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SurfaceSample {
-    /// The place in drawing units; zero where undefined.
+    /// The position in drawing units; zero if undefined.
     pub position: [f32; 3],
-    /// 0 where undefined, else 1; 2 where the cell between it and the next samples is left open.
+    /// 0 if undefined, otherwise 1; 2 if the cell between it and the next samples is left open.
     pub defined: f32,
-    /// The unit vector along σu×σv, or zero where it is undefined.
+    /// The unit vector along σu×σv; zero if it is undefined.
     pub normal: [f32; 3],
     /// Makes the size a multiple of 16 bytes.
     pub padding: f32,
@@ -102,7 +102,7 @@ pub enum Painter {
 }
 
 impl Painter {
-    /// The painter of an object in space; `None` for one that has no place there.
+    /// Returns the painter of an object in space; `None` for an object that is not drawn there.
     pub fn for_object(scene: &Scene, object: &Object) -> Option<Self> {
         match &object.shape {
             Shape::Point { .. } => Some(Self::Points),
@@ -142,7 +142,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// The number of samples, and the number of those that are undefined.
+    /// Returns the number of samples, and the number of undefined ones.
     pub fn undefined(&self) -> (usize, usize) {
         let positions =
             |s: &[PositionSample]| (s.len(), s.iter().filter(|s| s.defined == 0.0).count());
@@ -179,7 +179,7 @@ impl Samples {
     }
 }
 
-/// Returns the note on an object's samples, of which some are undefined.
+/// Returns the note on the samples of an object, if some are undefined.
 pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     match (all, undefined) {
         (_, 0) => None,
@@ -195,8 +195,8 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     }
 }
 
-/// Evaluates the position of an object at all its samples, in f64 and in the scene's units; where it is undefined and has a
-/// limit, that.
+/// Evaluates the position of an object at all its samples, in f64 and in the scene's units; undefined positions are replaced
+/// by their limits, if they exist.
 pub fn positions(
     scene: &Scene,
     params: &ParamValues,
@@ -221,7 +221,7 @@ pub fn positions(
     all
 }
 
-/// Samples as [`sample`] does, and adds notes for a reader of the picture.
+/// Samples as [`sample`] does, and adds notes for the reader of the picture.
 pub fn sample_with_notes(
     scene: &Scene,
     params: &ParamValues,
@@ -249,7 +249,7 @@ pub fn sample_with_notes(
     }
 }
 
-/// Returns the note of a 3D picture on an object that has no place in it.
+/// Returns the note of a 3D picture on an object that it cannot show.
 pub(crate) fn left_out(object: &Object) -> Option<String> {
     let name = &object.name;
     matches!(object.shape, Shape::Metric { .. }).then(|| {
@@ -337,14 +337,14 @@ pub fn sample(
     }
 }
 
-/// Leaves open what lies behind a sample, if that is defined.
+/// Marks a sample, if it is defined, as one after which the object breaks off.
 fn break_behind(defined: &mut f32) {
     if *defined != 0.0 {
         *defined = LAST;
     }
 }
 
-/// Lines of `count` points each, as curves.
+/// Returns lines of `count` points each, as curves.
 pub(crate) fn line_samples(
     placement: &Placement,
     count: u32,
@@ -361,7 +361,7 @@ pub(crate) fn line_samples(
     }
 }
 
-/// The roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives explode.
+/// Returns the roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives are too large.
 pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [NodeId; 9])> {
     let (mut graph, roots) = scene.graph.extract(position);
     let du = graph.derivatives(&roots, Input::Variable(0)).ok()?;

@@ -1,4 +1,4 @@
-//! Samples of objects, kept by content and drawing units.
+//! A cache of objects' samples by content and drawing units.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::content::Content;
 use crate::placement::Placement;
 use crate::sample::{self, PositionSample, Samples, SurfaceSample, VectorSample};
 
-/// The most memory for samples that the last picture has not used: a slider goes back, an edit is undone.
+/// The maximum memory, in bytes, for samples that the last picture has not used: a slider moves back, an edit is undone.
 const ALLOWANCE: usize = 16 << 20;
 
 /// The samples of one object.
@@ -20,17 +20,16 @@ pub(crate) struct Sampled {
     told: Told,
 }
 
-/// Notes for a reader of the picture.
+/// Notes for the reader of a picture.
 #[derive(Clone, Debug)]
 enum Told {
-    /// The number of samples, the number of those that are undefined, and sentences about the geodesics whose values it
-    /// reads.
+    /// The number of samples, the number of undefined ones, and sentences about the geodesics whose values it reads.
     Counts(usize, usize, Vec<String>),
-    /// Sentences; they name the object, and so does its content.
+    /// Sentences; they contain the object's name, and so does its content.
     Notes(Vec<String>),
 }
 
-/// Samples of all objects of the last pictures.
+/// The samples of all objects of the last pictures.
 #[derive(Debug)]
 pub(crate) struct SampleStore {
     kept: Cache<Content, Sampled>,
@@ -48,7 +47,7 @@ impl Default for SampleStore {
 }
 
 impl SampleStore {
-    /// The samples of an object with the given content.
+    /// Returns the samples of an object with the given content.
     pub(crate) fn get(
         &mut self,
         scene: &Scene,
@@ -67,7 +66,7 @@ impl SampleStore {
         let told = if object.shape.is_geodesic() {
             Told::Notes(notes)
         } else {
-            // The first sentence names the object.
+            // The first sentence contains the object's name.
             Told::Counts(all, undefined, notes.into_iter().skip(1).collect())
         };
         let bytes = bytes(&samples);
@@ -75,7 +74,7 @@ impl SampleStore {
             samples: Arc::new(samples),
             told,
         };
-        // Nothing has been computed for what has no place in space.
+        // Objects without samples in space required no work.
         self.sampled += u64::from(all > 0);
         self.kept.put(key, sampled.clone(), bytes);
         sampled
@@ -93,7 +92,7 @@ impl SampleStore {
 }
 
 impl Sampled {
-    /// Returns the notes on the object for a reader of the picture.
+    /// Returns the notes on the object for the reader of the picture.
     pub(crate) fn notes(&self, object: &Object) -> Vec<String> {
         match &self.told {
             Told::Notes(notes) => notes.clone(),

@@ -1,18 +1,17 @@
-//! A shared value that counts as equal only to itself: a scene, an image, a trail, for which it would be slow to
-//! compare all the contents.
+//! A shared value that is equal only to itself: a scene, an image or a trail, whose contents would be slow to compare.
 
 use std::ops::Deref;
 use std::sync::Arc;
 
 /// A value behind an [`Arc`], compared by its address.
 ///
-/// Equality is conservative: two handles of one value are equal, and equal values that were made twice are not. A
-/// picture is at worst drawn once more.
+/// Equality is conservative: two handles of one value are equal; two equal values that were created separately are not. The
+/// worst effect is that a picture is drawn again.
 #[derive(Debug)]
 pub struct Shared<T: ?Sized>(Arc<T>);
 
 impl<T: ?Sized> Shared<T> {
-    /// The handle inside.
+    /// Returns the inner handle.
     pub fn arc(&self) -> &Arc<T> {
         &self.0
     }

@@ -1,11 +1,11 @@
-//! The software path: the 3D view on the CPU, on all cores, for machines without a GPU. It never touches wgpu.
+//! The software path: the 3D view on the CPU, on all cores, for machines without a GPU. It never uses wgpu.
 //!
 //! ```text
 //! samples ──points, vectors, curves, surfaces──▶ mesh.rs: triangles in clip space ──clipped, projected──▶
 //! raster.rs: tiles with four samples a pixel ──shade.rs──▶ picture
 //! ```
 //!
-//! The picture is equal on every run and for every number of cores: triangles keep their order, and each tile is one
+//! The picture is the same on every run and for every number of cores: triangles keep their order, and each tile is one
 //! task.
 
 mod curves;

@@ -1,12 +1,12 @@
-//! Solids in the 3D view: a ray through each pixel finds what is seen of them, its light and its depth.
+//! Solids in the 3D view: a ray through each pixel finds the visible face, its light and its depth.
 //!
 //! ```text
 //! camera + world + look + tints ──SolidPainter──▶ tiles of pixels: linear light and clip depth
-//!                                               └▶ the crossing under a place, for picking
+//!                                               └▶ the crossing at a pixel, for picking
 //! ```
 //!
 //! Both backends draw the same tiles: the software path begins with them, the GPU composes them by their depth. At rest,
-//! pixels at edges get a ray for each of their four samples.
+//! pixels at edges have a ray for each of their four samples.
 
 mod images;
 mod store;
@@ -31,7 +31,7 @@ use crate::style;
 
 /// Pixels along a tile's side.
 pub(crate) const TILE: usize = 64;
-/// Samples of a pixel at an edge, in pixels from its top left: those of both backends' rasters.
+/// The samples of a pixel at an edge, in pixels from its top left: those of both backends' rasterisers.
 const SAMPLES: [[f64; 2]; 4] = [
     [0.375, 0.125],
     [0.875, 0.375],
@@ -40,13 +40,13 @@ const SAMPLES: [[f64; 2]; 4] = [
 ];
 /// The side of a block of pixels whose rays are read together.
 const BUNDLE: usize = 8;
-/// Neighbours on one surface are at an edge where the way between them leaves its tangent plane by this share.
+/// Neighbours on one surface are at an edge if the vector between them leaves the tangent plane by this fraction.
 const BEND: f64 = 0.6;
 
-/// The solid that is seen at a sample.
+/// The solid that a sample sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SolidSample {
-    /// The depth in clip space, above 0 and at most 1; 0 where no solid is seen.
+    /// The depth in clip space, above 0 and at most 1; 0 if no solid is seen.
     pub(crate) depth: f32,
     /// Linear light.
     pub(crate) light: [f32; 3],
@@ -55,18 +55,18 @@ pub(crate) struct SolidSample {
 /// The solids that are seen in a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct SolidTile {
-    /// Row by row, [`TILE`] a row: that of the whole pixel.
+    /// The pixels, row by row, [`TILE`] in a row.
     pub(crate) pixels: Vec<SolidSample>,
-    /// The pixels at edges, by their index in the tile, each with that of its four samples.
+    /// The pixels at edges, by their index in the tile, each with its four samples.
     pub(crate) splits: Vec<(u16, [SolidSample; 4])>,
 }
 
-/// The colour of a solid as the window has it.
+/// The tint of a solid, which the window chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tint {
     /// The factor of its faces' linear colours.
     pub(crate) colour: [f32; 3],
-    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
+    /// The fraction of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
     pub(crate) emphasis: f32,
 }
 
@@ -75,12 +75,12 @@ pub(crate) struct SolidPainter<'a> {
     camera: &'a Camera,
     scene: &'a SolidScene,
     world: &'a World,
-    /// By the solids of the world.
+    /// For each solid of the world.
     tints: &'a [Tint],
-    /// True if pixels at edges get a ray for each sample.
+    /// True if pixels at edges have a ray for each sample.
     is_smooth: bool,
     counters: &'a PixelCounters,
-    /// The number of rays that took more work than there may be.
+    /// The number of rays that exceeded the work limit.
     cut_short: AtomicU64,
     /// The operations so far.
     operations: AtomicU64,
@@ -88,7 +88,7 @@ pub(crate) struct SolidPainter<'a> {
     boxes: Vec<[f64; 4]>,
 }
 
-/// A place on a solid under a place of the picture.
+/// The point of a solid at a position in the picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolidHit {
     /// The crossing.
@@ -98,7 +98,7 @@ pub(crate) struct SolidHit {
 }
 
 impl<'a> SolidPainter<'a> {
-    /// Begins a picture of a world by a camera. `tints` has one for each solid.
+    /// Begins a picture of a world by a camera. `tints` has one entry for each solid.
     pub(crate) fn new(
         camera: &'a Camera,
         scene: &'a SolidScene,
@@ -122,15 +122,15 @@ impl<'a> SolidPainter<'a> {
         }
     }
 
-    /// True once the tiles have taken more than [`most_space_operations`]: then no more are drawn.
+    /// Returns true once the tiles have used more than [`most_space_operations`]: then no more are drawn.
     fn is_out_of_work(&self) -> bool {
         self.operations.load(Ordering::Relaxed) > most_space_operations(self.camera.size)
     }
 
-    /// The notes on the solids, once all tiles are drawn.
+    /// Returns the notes on the solids, once all tiles are drawn.
     ///
     /// # Errors
-    /// [`RenderError::TooMuchWork`] if they are not.
+    /// [`RenderError::TooMuchWork`] if the limit was exceeded before that.
     pub(crate) fn notes(&self, request: &PictureRequest) -> Result<Vec<String>, RenderError> {
         if self.is_out_of_work() {
             let most = most_space_operations(self.camera.size);
@@ -156,7 +156,7 @@ impl<'a> SolidPainter<'a> {
         if is_empty || self.is_out_of_work() {
             return None;
         }
-        // Neighbours in the next tiles decide too whether a pixel is at an edge.
+        // Pixels of the neighbouring tiles also decide whether a pixel is at an edge.
         let ring = usize::from(self.is_smooth);
         let [across, down] = [right - left + 2 * ring, bottom - top + 2 * ring];
         let mut rays = RayCounter::new(self);
@@ -177,7 +177,7 @@ impl<'a> SolidPainter<'a> {
         };
         let mut any = false;
         for block in blocks([right - left, bottom - top]) {
-            // The samples of all pixels of a block that are at edges, read together.
+            // The samples of all edge pixels of a block, read together.
             let mut places: Vec<[f64; 2]> = Vec::new();
             let known = tile.splits.len();
             for [i, j] in block {
@@ -210,14 +210,14 @@ impl<'a> SolidPainter<'a> {
         any.then_some(tile)
     }
 
-    /// Finds the solid that is seen at a place of the picture, in pixels from its top left.
+    /// Finds the solid that is seen at a position in the picture, in pixels from its top left.
     pub(crate) fn hit(&self, place: [f64; 2]) -> Option<SolidHit> {
         let mut found = None;
         RayCounter::new(self).cast(&[place], |_, hit| found = hit);
         found
     }
 
-    /// The light of what is seen at a place of the picture.
+    /// Returns the light of the point that is seen at a position in the picture.
     fn lit(&self, hit: &SolidHit, place: [f64; 2]) -> SolidSample {
         let face = Face::from(&hit.crossing);
         let look = self.scene.look(&face);
@@ -235,7 +235,7 @@ impl<'a> SolidPainter<'a> {
         }
     }
 
-    /// The unit vector to the eye from what is seen at a place of the picture, in view space.
+    /// Returns the unit vector to the eye from the point that is seen at a position in the picture, in view space.
     fn to_eye(&self, place: [f64; 2]) -> [f32; 3] {
         if self.camera.parallel.is_some() {
             return [0.0, 0.0, 1.0];
@@ -245,13 +245,13 @@ impl<'a> SolidPainter<'a> {
     }
 }
 
-/// Casts rays, and counts them in the end.
+/// Casts rays, and adds their number to the counters when it is dropped.
 struct RayCounter<'p, 'a> {
     painter: &'p SolidPainter<'a>,
     caster: Caster<'a>,
     rays: Vec<Ray>,
     count: u64,
-    /// The operations of the caster that are counted.
+    /// The operations of the caster that have been counted.
     operations: u64,
 }
 
@@ -266,7 +266,7 @@ impl<'p, 'a> RayCounter<'p, 'a> {
         }
     }
 
-    /// Casts the rays through some places of the picture, which are read together.
+    /// Casts the rays through some positions in the picture, which are read together.
     fn cast(&mut self, places: &[[f64; 2]], mut found: impl FnMut(usize, Option<SolidHit>)) {
         if places.is_empty() || self.painter.is_out_of_work() {
             return;
@@ -302,19 +302,20 @@ impl Drop for RayCounter<'_, '_> {
     }
 }
 
-/// The operations of a picture on solids, lights and surfaces, besides those of its pixels: some seconds of two cores.
+/// The operations of a picture on solids, lights and surfaces, in addition to those of its pixels: some seconds of two
+/// cores.
 pub const MOST_OPERATIONS: u64 = 1 << 30;
-/// The operations that a picture of the 3D view may take more for each pixel: about those of a gyroid that fills it.
+/// The additional operations for each pixel of the 3D view: about those of a gyroid that fills the picture.
 pub const MOST_SPACE_PIXEL_OPERATIONS: u64 = 1 << 9;
 /// The same for a sample of the traced view, with shadows and reflections.
 pub const MOST_TRACED_PIXEL_OPERATIONS: u64 = 1 << 10;
 
-/// The operations that a picture of this size may take on solids in the 3D view. See [`tracer::Caster::operations`].
+/// Returns the maximum operations on solids for a picture of this size in the 3D view. See [`tracer::Caster::operations`].
 pub(crate) fn most_space_operations(size: [u32; 2]) -> u64 {
     MOST_OPERATIONS + pixel_count(size) * MOST_SPACE_PIXEL_OPERATIONS
 }
 
-/// The operations that one sample of a traced picture of this size takes at most, unless more are asked for.
+/// Returns the maximum operations for one sample of a traced picture of this size, unless a request sets another limit.
 pub fn most_traced_operations(size: [u32; 2]) -> u64 {
     MOST_OPERATIONS + pixel_count(size) * MOST_TRACED_PIXEL_OPERATIONS
 }
@@ -323,7 +324,7 @@ fn pixel_count([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// The note on rays that took more work than there may be.
+/// Returns the note on rays that exceeded the work limit.
 pub(crate) fn cut_short_note(rays: u64) -> Option<String> {
     let noun = if rays == 1 { "ray" } else { "rays" };
     (rays > 0).then(|| {
@@ -331,7 +332,7 @@ pub(crate) fn cut_short_note(rays: u64) -> Option<String> {
     })
 }
 
-/// The blocks of a part of the picture, each with its pixels.
+/// Returns the blocks of a part of the picture, each with its pixels.
 fn blocks([width, height]: [usize; 2]) -> impl Iterator<Item = Vec<[usize; 2]>> {
     let corners = (0..height)
         .step_by(BUNDLE)
@@ -343,15 +344,15 @@ fn blocks([width, height]: [usize; 2]) -> impl Iterator<Item = Vec<[usize; 2]>> 
     })
 }
 
-/// The place of a ray through the picture at distance 1 along the view direction: right and up, in drawing units.
+/// Returns the position of a ray through the picture at distance 1 along the view direction: right and up, in drawing units.
 fn across(camera: &Camera, [x, y]: [f64; 2]) -> [f64; 2] {
     let [width, height] = camera.size.map(f64::from);
     let [tx, ty] = camera.half_tangents();
     [(2.0 * x / width - 1.0) * tx, (1.0 - 2.0 * y / height) * ty]
 }
 
-/// The ray through a place of the picture, in the scene's units. Its t is the distance along the view direction in drawing
-/// units: from the eye, or from the nearest plane that an orthographic camera draws.
+/// Returns the ray through a position in the picture, in the scene's units. Its t is the distance along the view direction
+/// in drawing units: from the eye, or from the nearest plane that an orthographic camera draws.
 fn ray(camera: &Camera, place: [f64; 2]) -> Ray {
     let [right, up, back] = camera.axes;
     let [x, y] = across(camera, place);
@@ -371,7 +372,7 @@ fn ray(camera: &Camera, place: [f64; 2]) -> Ray {
     }
 }
 
-/// The depth in clip space of a place on a ray. What lies before the near plane is drawn in it.
+/// Returns the depth in clip space of a point on a ray. Points in front of the near plane are moved into it.
 fn depth(camera: &Camera, t: f64) -> f32 {
     let depth = match camera.parallel {
         None => camera.near / t,
@@ -380,7 +381,7 @@ fn depth(camera: &Camera, t: f64) -> f32 {
     depth.min(1.0) as f32
 }
 
-/// True if something ends between two neighbours.
+/// Returns true if an edge separates two neighbours.
 fn is_edge(a: Option<&SolidHit>, b: Option<&SolidHit>) -> bool {
     let (a, b) = match (a, b) {
         (Some(a), Some(b)) => (&a.crossing, &b.crossing),
@@ -394,7 +395,8 @@ fn is_edge(a: Option<&SolidHit>, b: Option<&SolidHit>) -> bool {
     way.dot(a.normal).abs().max(way.dot(b.normal).abs()) > BEND
 }
 
-/// The part of the picture in which what lies in a box is seen; `None` for an empty box, all for an endless one.
+/// Returns the part of the picture in which the contents of a box are seen; `None` for an empty box, the whole picture for
+/// an unbounded one.
 fn seen_box(camera: &Camera, bounds: Option<BoundingBox>) -> Option<[f64; 4]> {
     let all = [0.0, 0.0, f64::INFINITY, f64::INFINITY];
     let Some(bounds) = bounds else {
@@ -423,12 +425,12 @@ fn seen_box(camera: &Camera, bounds: Option<BoundingBox>) -> Option<[f64; 4]> {
             return Some(all);
         };
         for k in 0..2 {
-            // A pixel more: rays at edges go beside the middles of pixels.
+            // Add a pixel: rays at edges do not pass through the centres of pixels.
             seen[k] = seen[k].min(at.0[k] - 1.0);
             seen[k + 2] = seen[k + 2].max(at.0[k] + 1.0);
         }
     }
-    // Near the eye's plane, places of the picture may be no numbers.
+    // Near the eye's plane, projected positions may be NaN.
     if seen.iter().any(|x| x.is_nan()) {
         return Some(all);
     }

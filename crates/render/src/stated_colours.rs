@@ -1,5 +1,5 @@
-//! The textures of surfaces that state a colour which changes from place to place: expressions in (u, v) in, an image over
-//! the domain out.
+//! The textures of surfaces with a specified colour that varies from point to point. In: expressions in (u, v). Out: an
+//! image over the domain.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,25 +14,25 @@ use crate::request::{PictureRequest, color_nodes, srgb_of};
 use crate::shared::Shared;
 use crate::texture::Texture;
 
-/// Texels along u and along v.
+/// The number of texels along u and along v.
 const SIDE: u32 = 512;
-/// Those of a picture that moves.
+/// The same for a picture that moves.
 const MOVING_SIDE: u32 = 256;
-/// Textures that are kept though the last picture has not used them.
+/// The number of textures that are kept although the last picture has not used them.
 const KEPT: usize = 16;
-/// The most instances that are compared.
+/// The maximum number of instances that are compared.
 const COMPARED: u64 = 256;
 
-/// Textures of stated colours, by the content of the colour.
+/// Textures of specified colours, by the content of the colour.
 #[derive(Debug, Default)]
 pub(crate) struct StatedColours {
-    /// The one that was used last is the last one.
+    /// The most recently used one is last.
     known: Vec<(Content, u32, Shared<Texture>)>,
 }
 
 impl StatedColours {
-    /// The request with the textures of the surfaces that state a colour which changes from place to place, and no image.
-    /// The look is that of the first instance.
+    /// Returns the request with textures for the surfaces that specify a varying colour and no image. They show the first
+    /// instance.
     pub(crate) fn textured<'r>(&mut self, request: &'r PictureRequest) -> Cow<'r, PictureRequest> {
         let mut whole = Cow::Borrowed(request);
         let side = if request.moving { MOVING_SIDE } else { SIDE };
@@ -71,7 +71,7 @@ impl StatedColours {
     }
 }
 
-/// The surfaces that state a colour which changes from place to place, and no image, with the numbers of the colour.
+/// Returns the surfaces that specify a varying colour and no image, with the numbers of the colour.
 fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object, &[NodeId])> {
     let surfaces = request.scene.numbered().filter(|(id, object)| {
         object.shape.manifold().is_some() && request.own_texture(*id).is_none()
@@ -84,8 +84,8 @@ fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object,
     })
 }
 
-/// Sentences about the surfaces in space whose colour changes from place to place and from instance to instance: an image for
-/// each instance would take too much memory.
+/// Returns sentences about the surfaces in space whose colour varies from point to point and between instances: an image for
+/// each instance would need too much memory.
 pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
@@ -116,7 +116,7 @@ pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
     differing.map(|(_, object, _)| sentence(object)).collect()
 }
 
-/// The colours at the middles of the texels. What is undefined is white, as a surface without a colour is.
+/// Returns the colours at the centres of the texels. Undefined ones are white, like a surface without a colour.
 fn baked(
     scene: &Scene,
     nodes: &[NodeId],

@@ -1,14 +1,13 @@
-//! The appearance of things: colours, light, widths. One set of constants for both backends.
+//! The style of pictures: colours, light, widths. One set of constants for both backends.
 //!
-//! Lengths are in *drawing units* (see [`crate::placement::Placement`]: the scene has radius 1 in them), pixel
-//! lengths in units of [`pixel_unit`], colours in linear light unless said otherwise.
+//! Lengths are in *drawing units* (see [`crate::placement::Placement`]: the scene has radius 1 in them), pixel lengths in
+//! units of [`pixel_unit`], colours in linear light unless noted otherwise.
 //!
-//! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and
-//! balls: at the distance r ∈ `[0, 1]` from the glyph's axis the normal leans so that its component towards the eye
-//! is √(1−r²), and the colour is multiplied by [`glyph_light`] of that. Arrowheads are true cones and use the
-//! same function with their normals.
+//! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and balls: at the
+//! distance r ∈ `[0, 1]` from the glyph's axis the normal leans so that its component towards the eye is √(1−r²), and the
+//! colour is multiplied by [`glyph_light`] of that. Arrowheads are true cones and use the same function with their normals.
 //!
-//! **Surfaces** are lit on both sides: the normal is turned towards the eye first, see [`surface_light`].
+//! **Surfaces** are lit on both sides: the normal is first turned towards the eye, see [`surface_light`].
 
 use std::sync::{Arc, LazyLock};
 
@@ -18,17 +17,17 @@ use scene::{Object, Scene, Shape};
 pub const BACKGROUND: [u8; 3] = [18, 20, 26];
 /// Points, sRGB.
 pub const POINT_COLOUR: [u8; 3] = [255, 225, 30];
-/// Vectors, sRGB, one after the other in the order of their declarations.
+/// Vectors, sRGB, used in the order of their declarations.
 pub const VECTOR_COLOURS: [[u8; 3]; 4] = [[255, 50, 240], GREEN, ORANGE, BLUE];
-/// Curves and geodesics, sRGB, one after the other in the order of their declarations.
+/// Curves and geodesics, sRGB, used in the order of their declarations.
 pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
-/// The colours of curves and geodesics in scenes that show curvature: none is near the blue, white and red of its scale.
+/// The colours of curves and geodesics in scenes that show curvature: none is close to the blue, white and red of its scale.
 pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [30, 30, 36]];
 /// Points on paper, sRGB.
 pub const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
-/// Vectors on paper, sRGB, one after the other in the order of their declarations.
+/// Vectors on paper, sRGB, used in the order of their declarations.
 pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[170, 0, 160], DARK_GREEN, BROWN, DARK_BLUE];
-/// Curves and geodesics on paper, sRGB, one after the other in the order of their declarations.
+/// Curves and geodesics on paper, sRGB, used in the order of their declarations.
 pub const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[200, 0, 20], DARK_BLUE, BROWN, DARK_GREEN];
 /// The colours of curves and geodesics on paper in scenes that show curvature.
 pub const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] = [[30, 30, 36], DARK_GREEN, BROWN];
@@ -41,15 +40,15 @@ const GREEN: [u8; 3] = [0, 205, 120];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
-/// The factor of the linear colour of every other square, where an object of one colour shows a checker.
+/// The factor of the linear colour of every other square of a checker on an object of one colour.
 pub(crate) const DARK_SQUARE: f32 = 0.45;
 
-/// Solids, sRGB: those that state no colour.
+/// Solids without a specified colour, sRGB.
 pub const SOLID_COLOUR: [u8; 3] = [224, 219, 209];
 
-/// The colour that is mixed into a highlighted object, sRGB: unlike the colours above.
+/// The colour that is mixed into a highlighted object, sRGB; it differs from the colours above.
 pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
-/// The share of it in a highlighted object.
+/// The fraction of it in a highlighted object.
 pub const EMPHASIS: f32 = 0.45;
 
 /// The medium for which the colours of points and lines are chosen.
@@ -58,22 +57,21 @@ pub enum Theme {
     /// A screen: bright colours, on a dark background.
     #[default]
     Screen,
-    /// Paper: dark colours, which can be told from white.
+    /// Paper: dark colours, which contrast with white.
     Print,
 }
 
 /// The background of a picture for print, sRGB.
 pub const PAPER: [u8; 3] = [255; 3];
 
-/// A length in space that stays readable: it is seen in perspective, but never drawn smaller or larger than some
-/// pixels.
+/// A length in space that stays readable: it follows perspective, within limits in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length {
     /// In drawing units.
     pub nominal: f32,
-    /// The least number of pixels, in [`pixel_unit`]s.
+    /// The minimum number of pixels, in [`pixel_unit`]s.
     pub min_pixels: f32,
-    /// The greatest number of pixels, in [`pixel_unit`]s.
+    /// The maximum number of pixels, in [`pixel_unit`]s.
     pub max_pixels: f32,
 }
 
@@ -82,8 +80,8 @@ pub struct Length {
 pub struct LineStyle {
     /// The factor of its widths, and of a point's radius.
     pub width: f32,
-    /// The way by which it comes forward beyond [`GLYPH_LIFT`], in half widths: of lines that coincide, the greatest is
-    /// seen.
+    /// The distance by which it is moved towards the eye beyond [`GLYPH_LIFT`], in half widths: of coincident lines, the one
+    /// with the largest lift is visible.
     pub lift: f32,
 }
 
@@ -96,9 +94,9 @@ impl Default for LineStyle {
     }
 }
 
-/// The lift of each further curve of a scene over the one before, in half widths.
+/// The increase of the lift from one curve of a scene to the next, in half widths.
 const LIFT_STEP: f32 = 0.3;
-/// The number of curves that have a lift of their own.
+/// The number of curves with a lift of their own.
 const LIFTS: usize = 6;
 
 /// The colours of an object and the look of its lines.
@@ -106,7 +104,7 @@ const LIFTS: usize = 6;
 pub(crate) struct Look {
     /// The colours of its instances in linear light, at least one; the last one is that of all further instances.
     pub(crate) colours: Arc<[[f32; 3]]>,
-    /// The share of [`EMPHASIS_COLOUR`] that is mixed into it.
+    /// The fraction of [`EMPHASIS_COLOUR`] that is mixed into it.
     pub(crate) emphasis: f32,
     pub(crate) line: LineStyle,
 }
@@ -123,43 +121,44 @@ pub const POINT_RADIUS: Length = Length {
     min_pixels: 2.4,
     max_pixels: 8.0,
 };
-/// No line is thinner than this many true pixels (half the width), whatever the picture's size.
+/// The minimum half width of a line in true pixels, whatever the picture's size.
 pub const LEAST_HALF_WIDTH: f32 = 0.6;
-/// No point is smaller than this many true pixels.
+/// The minimum radius of a point in true pixels.
 pub const LEAST_POINT_RADIUS: f32 = 1.2;
 /// The length of an arrowhead, in half widths of its shaft.
 pub const HEAD_LENGTH: f32 = 11.0;
 /// The radius of an arrowhead, in half widths of its shaft.
 pub const HEAD_RADIUS: f32 = 4.1;
-/// An arrowhead takes at most this part of its vector; a shorter vector has its head and shaft scaled down.
+/// The maximum fraction of a vector's length for its arrowhead; for shorter vectors, head and shaft are scaled down.
 pub const HEAD_SHARE: f32 = 0.45;
 /// Sides of an arrowhead's cone.
 pub const HEAD_SEGMENTS: u32 = 16;
-/// Corners of the polygon that stands for a point's disc.
+/// The number of corners of the polygon that represents a point's disc.
 pub const POINT_SEGMENTS: u32 = 24;
 /// Corners of the polygon that rounds a curve's joins and ends.
 pub const JOIN_SEGMENTS: u32 = 12;
-/// Glyphs come forward by this many of their half widths (or radii), so that a curve on a surface is seen whole.
+/// Glyphs are moved towards the eye by this multiple of their half widths (or radii), so that a curve on a surface is
+/// entirely visible.
 pub const GLYPH_LIFT: f32 = 1.6;
-/// A join comes forward less than the strips that it joins, so that it fills only the gap between them.
+/// The same for joins: less than for the strips that they join, so that they fill only the gap between them.
 pub const JOIN_LIFT: f32 = 1.4;
 
 /// The field of view along the picture's shorter side, in radians.
 pub const FIELD_OF_VIEW: f64 = 0.6;
-/// The azimuth of the first camera, from the x axis towards y, in radians.
+/// The azimuth of the initial camera, from the x axis towards y, in radians.
 pub const AZIMUTH: f64 = -std::f64::consts::FRAC_PI_3;
-/// The elevation of the first camera above the xy plane, in radians.
+/// The elevation of the initial camera above the xy plane, in radians.
 pub const ELEVATION: f64 = 0.45;
-/// The share of the picture's shorter half that stays free around the scene.
+/// The fraction of the picture's shorter half that stays free around the scene.
 pub const MARGIN: f64 = 0.08;
 
-/// The share of its colour that a glyph keeps at its rim.
+/// The fraction of its colour that a glyph keeps at its rim.
 pub const GLYPH_RIM: f32 = 0.42;
-/// Light from everywhere.
+/// The strength of the ambient light.
 pub const AMBIENT: f32 = 0.20;
-/// Light from the eye.
+/// The strength of the light from the eye.
 pub const FILL: f32 = 0.32;
-/// Light from over the eye's left shoulder.
+/// The strength of the light from above the eye's left shoulder.
 pub const KEY: f32 = 0.50;
 /// The direction of the key light, in view space (x right, y up, z towards the eye); a unit vector.
 pub const KEY_DIRECTION: [f32; 3] = [-0.4, 0.56, 0.725_534_3];
@@ -168,7 +167,7 @@ pub const HIGHLIGHT: f32 = 0.07;
 /// The exponent of the highlight (Blinn).
 pub const HIGHLIGHT_POWER: i32 = 40;
 
-/// The sizes of points, arrows and curves for rays, in a scene whose drawing unit is `radius` long.
+/// Returns the sizes of points, arrows and curves for rays, in a scene whose drawing unit has the length `radius`.
 pub fn thickness(radius: f64) -> geometry::solids::Thickness {
     geometry::solids::Thickness {
         point: radius * f64::from(POINT_RADIUS.nominal),
@@ -179,13 +178,14 @@ pub fn thickness(radius: f64) -> geometry::solids::Thickness {
     }
 }
 
-/// Pixels that count as one in the pixel bounds of a [`Length`]: 1 for a picture whose shorter side is 512.
+/// Returns the number of pixels that count as one in the pixel bounds of a [`Length`]: 1 for a picture whose shorter side is
+/// 512.
 pub fn pixel_unit(size: [u32; 2]) -> f32 {
     size[0].min(size[1]) as f32 / 512.0
 }
 
 impl Length {
-    /// A length that is so many times as large, as are its bounds.
+    /// Returns the length and its bounds, multiplied by a factor.
     #[must_use]
     pub fn times(self, factor: f32) -> Self {
         Self {
@@ -195,7 +195,7 @@ impl Length {
         }
     }
 
-    /// The length in drawing units at the distance `w` along the view direction. `pixels_per_unit` is
+    /// Returns the length in drawing units at the distance `w` along the view direction. `pixels_per_unit` is
     /// [`crate::camera::Camera::pixels_per_unit`], `least` a bound in true pixels.
     pub fn at(&self, w: f32, pixels_per_unit: f32, unit: f32, least: f32) -> f32 {
         let pixel = w / pixels_per_unit;
@@ -205,14 +205,14 @@ impl Length {
     }
 }
 
-/// The light on a glyph whose normal has the component `facing` ∈ `[0, 1]` towards the eye.
+/// Returns the light on a glyph whose normal has the component `facing` ∈ `[0, 1]` towards the eye.
 #[inline(always)]
 pub fn glyph_light(facing: f32) -> f32 {
     GLYPH_RIM + (1.0 - GLYPH_RIM) * facing.clamp(0.0, 1.0)
 }
 
-/// The light on a surface: (factor of its colour, white added to it). `normal` and `to_eye` are unit vectors in
-/// view space, the normal on the eye's side.
+/// Returns the light on a surface: (factor of its colour, white added to it). `normal` and `to_eye` are unit vectors in view
+/// space, the normal on the eye's side.
 #[inline(always)]
 pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
     let normal = glam::Vec3::from(normal);
@@ -220,12 +220,12 @@ pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
     let key = glam::Vec3::from(KEY_DIRECTION);
     let diffuse = AMBIENT + FILL * normal.dot(to_eye).max(0.0) + KEY * normal.dot(key).max(0.0);
     let half = key + to_eye;
-    // Zero also where the two are opposite and there is no half way.
+    // Also zero if the two are opposite and have no half vector.
     let cosine = (normal.dot(half) / half.length()).max(0.0);
     (diffuse, HIGHLIGHT * power(cosine, HIGHLIGHT_POWER))
 }
 
-/// A power by squaring, without a branch once the exponent is known: loops over many places are loops over vectors.
+/// Returns a power by squaring, without a branch for a constant exponent, so that loops over many points vectorise.
 #[inline(always)]
 fn power(mut x: f32, mut exponent: i32) -> f32 {
     let mut product = 1.0;
@@ -239,7 +239,7 @@ fn power(mut x: f32, mut exponent: i32) -> f32 {
     product
 }
 
-/// A colour in linear light with a share of [`EMPHASIS_COLOUR`].
+/// Returns a colour in linear light with a fraction of [`EMPHASIS_COLOUR`] mixed in.
 #[inline(always)]
 pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
     if share == 0.0 {
@@ -249,7 +249,7 @@ pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
     std::array::from_fn(|k| colour[k] + share * (other[k] - colour[k]))
 }
 
-/// The colours of a scene's objects, sRGB, in their order: those of lines follow each other by declaration.
+/// Returns the colours of a scene's objects, sRGB, in their order: those of lines are used in the order of declaration.
 pub fn colours(scene: &Scene, theme: Theme, shows_curvature: bool) -> Vec<[u8; 3]> {
     let curve_colours: &[[u8; 3]] = match (theme, shows_curvature) {
         (Theme::Screen, true) => &CURVE_COLOURS_ON_CURVATURE,
@@ -279,8 +279,8 @@ pub fn colours(scene: &Scene, theme: Theme, shows_curvature: bool) -> Vec<[u8; 3
     scene.objects.iter().map(colour).collect()
 }
 
-/// The looks of a scene's lines, in the order of its objects: of those that coincide, the one that is declared last is
-/// seen. All are `scale` times as wide as usual.
+/// Returns the looks of a scene's lines, in the order of its objects: of coincident lines, the one that is declared last is
+/// visible. Widths are multiplied by `scale`.
 pub(crate) fn line_styles(scene: &Scene, scale: f32) -> Vec<LineStyle> {
     let mut curves = 0;
     let line = |object: &Object| {
@@ -296,12 +296,12 @@ pub(crate) fn line_styles(scene: &Scene, scale: f32) -> Vec<LineStyle> {
     scene.objects.iter().map(line).collect()
 }
 
-/// sRGB to linear light (IEC 61966-2-1).
+/// Converts sRGB to linear light (IEC 61966-2-1).
 pub fn linear(colour: [u8; 3]) -> [f32; 3] {
     colour.map(decode)
 }
 
-/// One sRGB byte to linear light in `[0, 1]`.
+/// Converts one sRGB byte to linear light in `[0, 1]`.
 pub fn decode(byte: u8) -> f32 {
     Decoder::get().decode(byte)
 }
@@ -311,7 +311,7 @@ pub fn decode(byte: u8) -> f32 {
 pub struct Decoder(&'static [f32; 256]);
 
 impl Decoder {
-    /// The table.
+    /// Returns the table.
     pub fn get() -> Self {
         static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
             std::array::from_fn(|byte| {
@@ -326,20 +326,20 @@ impl Decoder {
         Self(&TABLE)
     }
 
-    /// One byte.
+    /// Converts one byte.
     #[inline]
     pub fn decode(self, byte: u8) -> f32 {
         self.0[usize::from(byte)]
     }
 }
 
-/// Linear light to the nearest sRGB byte. Values outside `[0, 1]` are clamped; what is no number gives 0.
+/// Converts linear light to the nearest sRGB byte. Values outside `[0, 1]` are clamped; NaN becomes 0.
 #[inline(always)]
 pub fn encode(light: f32) -> u8 {
     encode_word(light) as u8
 }
 
-/// Colours in linear light to the bytes of opaque pixels, as many as are given and at most L.
+/// Converts colours in linear light to the bytes of opaque pixels: all that are given, at most L.
 #[inline(always)]
 pub(crate) fn encode_pixels<const L: usize>(light: &[[f32; L]; 3], pixels: &mut [u8]) {
     let mut words = [0; L];
@@ -352,11 +352,11 @@ pub(crate) fn encode_pixels<const L: usize>(light: &[[f32; L]; 3], pixels: &mut 
     }
 }
 
-/// As [`encode`]. It has neither a branch nor a table, so that a loop over colours is one over vectors of them: a table
-/// that is as fine would fill the processor's first cache.
+/// Converts as [`encode`] does, without a branch or a table, so that a loop over colours vectorises: a table of the same
+/// precision would fill the first-level cache.
 ///
-/// The curve of IEC 61966-2-1 is nearly a polynomial in the fourth root of the light; these coefficients of degree 6
-/// are those of least error on `[0.0031308, 1]`, which is 0.0004 of a byte.
+/// The curve of IEC 61966-2-1 is nearly a polynomial in the fourth root of the light; these coefficients of degree 6 have
+/// the smallest error on `[0.0031308, 1]`, 0.0004 of a byte.
 #[inline(always)]
 fn encode_word(light: f32) -> u32 {
     let light = if light > 0.0 { light } else { 0.0 };
@@ -371,7 +371,7 @@ fn encode_word(light: f32) -> u32 {
     let curve = curve * x - 15.183_459;
     let line = 12.92 * 255.0 * light;
     let byte = if light <= 0.003_130_8 { line } else { curve };
-    // 2²³ leaves no bits for a fraction: the sum's last bits are the nearest whole number.
+    // 2²³ leaves no bits for a fraction: the last bits of the sum are the nearest integer.
     (byte + 8_388_608.0).to_bits() & 0xff
 }
 

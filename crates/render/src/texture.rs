@@ -1,7 +1,7 @@
 //! Images on surfaces: loading, mip chains, filtering.
 //!
-//! An image's left is u min, its top row v min; one width of the image is one width of the domain, and it repeats
-//! beyond. Texels are opaque sRGB; filtering happens in linear light, so a fine checkerboard keeps its brightness.
+//! An image's left side is u min, its top row v min; one width of the image is one width of the domain, and it repeats
+//! beyond. Texels are opaque sRGB; filtering is done in linear light, so that a fine checkerboard keeps its brightness.
 
 mod budget;
 mod curvature;
@@ -26,31 +26,31 @@ use crate::style::{DARK_SQUARE, decode, encode};
 
 /// The longest side of an image file in pixels.
 pub const MAX_FILE_SIDE: u32 = 32_768;
-/// The most pixels of an image file: some kilobytes may decode to any number of them.
+/// The maximum number of pixels of an image file: a file of some kilobytes may decode to any number of them.
 pub const MAX_FILE_PIXELS: u64 = 1 << 26;
 /// The longest side of a texture in texels; a larger image is reduced to it.
 pub const MAX_SIDE: u32 = 8_192;
-/// About the most texels of a texture; a larger image is reduced to so many. A picture that shows it takes 16 bytes for each
-/// of them: 4 for its colour and 8 for that in linear light, and a third more for the smaller levels.
+/// The approximate maximum number of texels of a texture; a larger image is reduced to it. A picture that shows it needs 16
+/// bytes for each texel: 4 for its colour, 8 for that in linear light, and a third more for the smaller levels.
 pub const MAX_TEXELS: u32 = 1 << 25;
-/// The most memory that decoding one image may take, in bytes.
+/// The maximum memory for decoding one image, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// An image with its mip chain.
 #[derive(Clone, Debug)]
 pub struct Texture {
     levels: Vec<Level>,
-    /// The image in linear light, made on first use: a GPU has no use for it.
+    /// The image in linear light, made on first use; a GPU does not need it.
     light: OnceLock<filter::LinearTexels>,
-    /// The covers that [`Texture::cover`] has made.
+    /// The results of [`Texture::cover`].
     covers: [OnceLock<Arc<Texture>>; 3],
-    /// The texture that [`Texture::flipped`] has made.
+    /// The result of [`Texture::flipped`].
     flipped: OnceLock<Arc<Texture>>,
-    /// The file that it was read from.
+    /// The file from which it was read.
     file: Option<PathBuf>,
-    /// Its part of the texels of all images.
+    /// Its share of the texels of all images.
     _share: Option<Arc<budget::Share>>,
-    /// The meaning of the colours, of a texture that shows the curvature.
+    /// The scale of the colours, for a texture that shows the curvature.
     scale: Option<CurvatureScale>,
 }
 
@@ -69,21 +69,21 @@ pub struct Level {
     pub texels: Vec<[u8; 4]>,
 }
 
-/// The reason for which a file gave no texture.
+/// The reason why a file could not be loaded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureError {
     /// The file cannot be read.
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// The system's words.
+        /// The system's message.
         message: String,
     },
-    /// The file is no PNG or JPEG image, or a damaged one.
+    /// The file is not a PNG or JPEG image, or it is damaged.
     NotAnImage {
         /// The file.
         path: PathBuf,
-        /// The decoder's words.
+        /// The decoder's message.
         message: String,
     },
     /// The image has too many pixels.
@@ -94,8 +94,8 @@ pub enum TextureError {
 }
 
 impl Texture {
-    /// Reads a PNG or JPEG file, which must be a regular file: a pipe might never end. What is transparent shows white. An
-    /// image with more texels than the budget has for it is reduced.
+    /// Reads a PNG or JPEG file, which must be a regular file: a pipe might never end. Transparent pixels show white. An
+    /// image with more texels than the budget allows is reduced.
     ///
     /// # Errors
     /// See [`TextureError`].
@@ -136,7 +136,7 @@ impl Texture {
         limits.max_image_height = Some(MAX_FILE_SIDE);
         limits.max_alloc = Some(MAX_BYTES);
         let mut reader = reader.with_guessed_format().map_err(unreadable)?;
-        // Others are decoded for animations alone.
+        // Other formats are decoded for animations only.
         if let Some(format) = reader.format()
             && !matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
         {
@@ -159,7 +159,7 @@ impl Texture {
                 message: other.to_string(),
             },
         };
-        // The header is enough to refuse an image that is too large.
+        // The header suffices to refuse an image that is too large.
         let decoder = reader.into_decoder().map_err(refused)?;
         let (width, height) = decoder.dimensions();
         if u64::from(width) * u64::from(height) > MAX_FILE_PIXELS {
@@ -176,16 +176,16 @@ impl Texture {
         })
     }
 
-    /// A texture of an image with at least one pixel (an empty one gives a white texel). What is transparent shows
-    /// white; an image with a longer side than [`MAX_SIDE`], or more texels than [`MAX_TEXELS`], is reduced.
+    /// Creates a texture from an image with at least one pixel (an empty one becomes a white texel). Transparent pixels show
+    /// white; an image with a side longer than [`MAX_SIDE`], or with more texels than [`MAX_TEXELS`], is reduced.
     pub fn from_image(image: RgbaImage) -> Self {
         Self::within(image, MAX_TEXELS)
     }
 
-    /// A texture with no more than so many texels, but for rounding.
+    /// Creates a texture with about `most_texels` texels at most.
     fn within(image: RgbaImage, most_texels: u32) -> Self {
         let size = [image.width(), image.height()];
-        // In place: a large image takes a quarter of a gigabyte.
+        // In place: a large image needs a quarter of a gigabyte.
         let mut texels: Vec<[u8; 4]> =
             bytemuck::cast_slice_box(image.into_raw().into_boxed_slice()).into_vec();
         for texel in &mut texels {
@@ -204,7 +204,8 @@ impl Texture {
         Self::chain(image.reduced(size.map(reduced)))
     }
 
-    /// A texture of opaque sRGB texels, row by row from v min, each row from u min; there are as many as the size says.
+    /// Creates a texture of opaque sRGB texels, row by row from v min, each row from u min; their number must match the
+    /// size.
     pub(crate) fn of_texels(size: [u32; 2], texels: Vec<[u8; 4]>) -> Self {
         Self::chain(Level { size, texels })
     }
@@ -226,7 +227,7 @@ impl Texture {
         }
     }
 
-    /// A white texture, which leaves a surface its colour.
+    /// Returns a white texture, which leaves a surface's colour unchanged.
     pub fn plain() -> Arc<Self> {
         static PLAIN: OnceLock<Arc<Texture>> = OnceLock::new();
         PLAIN
@@ -234,7 +235,8 @@ impl Texture {
             .clone()
     }
 
-    /// White squares and darker ones, eight along u and along v: with a surface's colour they show how it bends.
+    /// Returns a texture of white squares and darker ones, eight along u and along v: they show how a surface of one colour
+    /// bends.
     pub fn checker() -> Arc<Self> {
         static CHECKER: OnceLock<Arc<Texture>> = OnceLock::new();
         const SQUARES: u32 = 8;
@@ -253,14 +255,14 @@ impl Texture {
             .clone()
     }
 
-    /// The file that the image was read from.
+    /// Returns the file from which the image was read.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
     }
 
-    /// The texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max), the hue
-    /// following u and the lightness v. The names read rightly where u grows to the right and v upwards, as in a
-    /// geodesic view, and in space from the side that σu×σv points to.
+    /// Returns the texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max); the hue
+    /// follows u and the lightness v. The names read correctly if u increases to the right and v upwards, as in a geodesic
+    /// view, and in space from the side that σu×σv points to.
     pub fn orientation() -> Arc<Self> {
         static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
         ORIENTATION
@@ -268,7 +270,7 @@ impl Texture {
             .clone()
     }
 
-    /// The same with the names turned over: they read rightly from the side that σu×σv does not point to.
+    /// Returns the same with flipped names: they read correctly from the side that σu×σv points away from.
     pub fn orientation_from_behind() -> Arc<Self> {
         static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
         ORIENTATION
@@ -276,7 +278,7 @@ impl Texture {
             .clone()
     }
 
-    /// The image the other way up.
+    /// Returns the image upside down.
     pub fn flipped(&self) -> Arc<Self> {
         let make = || {
             let Level { size, texels } = &self.levels[0];
@@ -290,15 +292,15 @@ impl Texture {
         self.flipped.get_or_init(make).clone()
     }
 
-    /// The mip chain: each level half the size (rounded down) of the one before, the last 1×1.
+    /// Returns the mip chain: each level is half the size (rounded down) of the previous one, the last 1×1.
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
 
-    /// The image as it goes on beyond the sides of its domain: itself where they wrap plainly. A side of u that is
-    /// glued to the other one turned over (`flips[0]`) is followed by the image upside down, so that it repeats after
-    /// two widths; likewise `flips[1]` for v and left to right. It is made of the largest level with which it has no more
-    /// texels than [`MAX_TEXELS`].
+    /// Returns the image as it continues beyond the sides of its domain: itself if they wrap without a flip. If the sides of
+    /// u are glued with a flip (`flips[0]`), a copy upside down follows, so that the result repeats after two widths;
+    /// likewise `flips[1]` for v and left to right. It is made from the largest level with which it has at most
+    /// [`MAX_TEXELS`] texels.
     pub fn cover(self: &Arc<Self>, flips: [bool; 2]) -> Arc<Self> {
         let index = match flips {
             [false, false] => return self.clone(),
@@ -316,13 +318,13 @@ impl Texture {
         self.covers[index].get_or_init(make).clone()
     }
 
-    /// The colour in linear light at `uv` (1 is the image's width or height; repeats), averaged over a footprint:
+    /// Returns the colour in linear light at `uv` (1 is the image's width or height; repeats), averaged over a footprint:
     /// the parallelogram that `across` and `along` (in the same units) span around it.
     pub fn sample(&self, uv: [f32; 2], across: [f32; 2], along: [f32; 2]) -> [f32; 3] {
         self.sampler().colour(uv, across, along)
     }
 
-    /// The image about its corner, for many calls of [`Sampler::colour`].
+    /// Returns a sampler of the image about its corner, for many calls of [`Sampler::colour`].
     pub fn sampler(&self) -> Sampler<'_> {
         Sampler::new(self, [0.0; 2], [1.0; 2], [true; 2])
     }
@@ -333,17 +335,17 @@ impl Texture {
 }
 
 impl Level {
-    /// The size of [`Level::covered`].
+    /// Returns the size of [`Level::covered`].
     fn covered_size(&self, flips: [bool; 2]) -> [u32; 2] {
         [0, 1].map(|k| self.size[k] << u32::from(flips[k]))
     }
 
-    /// Twice as large along each axis that flips: beside the image, itself turned over.
+    /// Returns the level, doubled along each axis that flips: beside the image, its flipped copy.
     fn covered(&self, flips: [bool; 2]) -> Self {
         let [width, height] = self.size;
         let size = self.covered_size(flips);
         let texel = |x: u32, y: u32| {
-            // A step beyond a side of u turns v over, and one beyond a side of v turns u over.
+            // A step beyond a side of u flips v, and one beyond a side of v flips u.
             let (over_u, over_v) = (x >= width, y >= height);
             let (x, y) = (x % width, y % height);
             let x = if over_v { width - 1 - x } else { x };
@@ -357,8 +359,8 @@ impl Level {
         }
     }
 
-    /// A smaller level of this size: each texel is the average of the area it covers, in linear light. With an odd side
-    /// halved, a texel covers three texels in part.
+    /// Returns a smaller level of this size: each texel is the average of the area it covers, in linear light. If an odd
+    /// side is halved, a texel covers three texels in part.
     fn reduced(&self, size: [u32; 2]) -> Self {
         let columns: Vec<_> = (0..size[0])
             .map(|x| taps(x, self.size[0], size[0]))
@@ -387,7 +389,7 @@ impl Level {
     }
 }
 
-/// By how much each side of an image must be multiplied for it to fit into a texture; 1 where it fits.
+/// Returns the factor that scales the sides of an image to fit into a texture; 1 if it fits.
 fn scale_to_fit(size: [u32; 2], most_texels: u32) -> f64 {
     let [width, height] = size.map(f64::from);
     let side = f64::from(MAX_SIDE) / width.max(height);
@@ -395,11 +397,11 @@ fn scale_to_fit(size: [u32; 2], most_texels: u32) -> f64 {
         .min(1.0)
 }
 
-/// The first of the texels that a texel of a smaller level covers along an axis, and the share of each in it.
+/// Returns the first of the texels that a texel of a smaller level covers along an axis, and the fraction of each in it.
 fn taps(index: u32, from: u32, to: u32) -> (usize, Vec<f32>) {
     let scale = f64::from(from) / f64::from(to);
     let (start, end) = (f64::from(index) * scale, f64::from(index + 1) * scale);
-    // What rounding leaves over beyond the end is no texel.
+    // A remainder beyond the end is due to rounding, and is not a texel.
     let last = ((end - 1e-6).ceil() as u32).min(from);
     let weights = (start as u32..last).map(|texel| {
         let low = f64::from(texel);

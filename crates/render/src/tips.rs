@@ -1,25 +1,25 @@
-//! Tips of solids that rays between them miss.
+//! Tips of solids between rays, which the rays miss.
 //!
-//! Input: places on a solid that rays find, so many in a row. Output: the tips that reach further than the margin of a
-//! picture covers. From the place that lies furthest in a direction, places around it are tried, nearer and nearer.
+//! In: points on a solid found by a grid of rays. Out: the tips that extend farther than the margin of a picture covers.
+//! From the point that is farthest in a direction, points around it are tried at decreasing distances.
 
 use glam::{DAffine3, DMat3, DVec3};
 use tracer::{BoundingBox, Caster, Crossing, Ray};
 
-/// A tip counts where it reaches further by this share of the length of the places along its direction: half of it is a
-/// little less than [`crate::style::MARGIN`].
+/// A tip counts if it extends the range of the points along its direction by this fraction: half of it is slightly less than
+/// [`crate::style::MARGIN`].
 const REACH: f64 = 0.0375;
-/// A place whose unit normal leads so far along the direction has no tip beside it.
+/// A point has no tip beside it if the component of its unit normal along the direction exceeds this.
 const BLUNT: f64 = 0.95;
-/// The halvings of the distance at which places are tried.
+/// The number of times that the distance of the tried points is halved.
 const HALVINGS: i32 = 14;
-/// After so many, a search that has gained less than [`LITTLE`] of a cell ends.
+/// After this many halvings, a search that has gained less than [`LITTLE`] of a cell ends.
 const FIRST: i32 = 3;
 const LITTLE: f64 = 0.1;
-/// The most steps of a search.
+/// The maximum number of steps of a search.
 const STEPS: usize = 40;
 
-/// The tips of a solid in a box, whose places were found by so many rays in a row; at most so many operations are done.
+/// Returns the tips of a solid in a box. Its points were found by `in_a_row` rays in each row; `operations` limits the work.
 pub(crate) fn tips(
     caster: &mut Caster<'_>,
     bounds: &BoundingBox,
@@ -67,7 +67,7 @@ pub(crate) fn tips(
     tips
 }
 
-/// The unit directions to the middles of the sides of a cube, to those of its edges, and to its corners.
+/// Returns the unit directions to the centres of the sides of a cube, to those of its edges, and to its corners.
 fn directions() -> impl Iterator<Item = DVec3> {
     let signs = || [-1.0, 0.0, 1.0].into_iter();
     let all = signs().flat_map(move |x| signs().map(move |y| [x, y]));
@@ -75,17 +75,17 @@ fn directions() -> impl Iterator<Item = DVec3> {
     all.filter_map(DVec3::try_normalize)
 }
 
-/// Looks for tips in a frame in which the box is from −1 to 1.
+/// Searches for tips in a frame in which the box extends from −1 to 1.
 struct TipSearch<'a, 'w> {
     caster: &'a mut Caster<'w>,
     frame: DAffine3,
-    /// The distance of rays.
+    /// The distance between rays.
     cell: f64,
     operations: u64,
 }
 
 impl TipSearch<'_, '_> {
-    /// The place that is found to lie furthest in a direction, near one on the solid.
+    /// Returns the farthest point in a direction that is found near a point of the solid.
     fn tip(&mut self, from: DVec3, direction: DVec3) -> DVec3 {
         let (a, b) = direction.any_orthonormal_pair();
         let straight = [a, b, -a, -b];
@@ -116,7 +116,7 @@ impl TipSearch<'_, '_> {
         tip
     }
 
-    /// The place on the solid that lies furthest in a direction, on a line of that direction.
+    /// Returns the farthest point of the solid in a direction on a line of that direction.
     fn highest(&mut self, beside: DVec3, direction: DVec3) -> Option<DVec3> {
         let above = beside + (2.0 - beside.dot(direction)) * direction;
         let ray = Ray {

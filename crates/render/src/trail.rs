@@ -1,6 +1,6 @@
 //! Trails: paths that a geodesic camera has walked or that were measured, drawn in both views with their length.
 //!
-//! A camera's steps flow in, points of the chart flow out, close enough to be joined by straight lines.
+//! In: a camera's steps. Out: points of the chart, dense enough to be joined by straight lines.
 
 use std::sync::Arc;
 
@@ -15,28 +15,28 @@ use scene::{ObjectId, Scene};
 use crate::figure::Figure;
 use crate::point::WorldPoint;
 
-/// Points for each zoom that is walked.
+/// The number of points for each zoom that is walked.
 const POINTS: f64 = 48.0;
-/// The most points of one step.
+/// The maximum number of points of one step.
 const MOST_FOR_STEP: f64 = 512.0;
-/// The most points of a trail: beyond it, every other one is given up.
+/// The maximum number of points of a trail: beyond it, every other one is removed.
 const MOST_POINTS: usize = 1 << 16;
 
-/// The origin of a trail, which decides how it looks.
+/// The origin of a trail, which determines its look.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrailKind {
     /// A camera has walked it.
     Walked,
-    /// It is a line of a figure: a side, a circle, the mark at a place.
+    /// It is a line of a figure: a side, a circle, the mark at a point.
     Measured(Arc<Figure>),
 }
 
-/// A place of a figure with its letter.
+/// A point of a figure with its letter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceMark {
     /// The letter, which is written beside it.
     pub letter: char,
-    /// The place (u, v).
+    /// The point (u, v).
     pub at: [f64; 2],
 }
 
@@ -51,12 +51,12 @@ pub struct Trail {
     pub points: Vec<[f64; 2]>,
     /// Its length, in the surface's units.
     pub length: f64,
-    /// The place that it rings, if it is the mark of one.
+    /// The point that it encircles, if it is a mark.
     pub mark: Option<PlaceMark>,
 }
 
 impl Trail {
-    /// A trail of which nothing has been walked.
+    /// Creates an empty trail.
     pub fn new(surface: ObjectId, at: [f64; 2]) -> Self {
         Self {
             kind: TrailKind::Walked,
@@ -67,8 +67,8 @@ impl Trail {
         }
     }
 
-    /// A trail through places of a surface that straight lines of the chart join, across sides that wrap. Its length is that of
-    /// these lines; where a line crosses a pole or a side with a flip, that of the chord.
+    /// Creates a trail through points of a surface, joined by straight lines of the chart, across sides that wrap. Its
+    /// length is that of these lines; if a line crosses a pole or a side with a flip, that of the chord.
     pub fn through(surface: &dyn Surface, id: ObjectId, points: Vec<[f64; 2]>) -> Self {
         let length = points
             .windows(2)
@@ -82,10 +82,10 @@ impl Trail {
         }
     }
 
-    /// Moves a camera as [`Frame::advance`] does, and notes the way.
+    /// Moves a camera as [`Frame::advance`] does, and records the path.
     ///
     /// # Errors
-    /// Those of [`Frame::advance`]; the trail is then as it was.
+    /// Those of [`Frame::advance`]; the trail is then unchanged.
     pub fn walk(
         &mut self,
         manifold: &Manifold,
@@ -97,7 +97,7 @@ impl Trail {
         let share = step[0].hypot(step[1]);
         if share > 0.0 {
             let pieces = (POINTS * share).ceil().clamp(1.0, MOST_FOR_STEP) as u32;
-            // The last point is where the camera stands now.
+            // The last point is the camera's current position.
             let lengths: Vec<f64> = (1..pieces)
                 .map(|k| trace.length * f64::from(k) / f64::from(pieces))
                 .collect();
@@ -114,7 +114,7 @@ impl Trail {
         Ok((moved, trace))
     }
 
-    /// Removes every other point, but neither the first nor the last.
+    /// Removes every other point, except the first and the last.
     fn thin_out(&mut self) {
         let last = self.points.len() - 1;
         let mut index = 0;
@@ -125,20 +125,20 @@ impl Trail {
     }
 }
 
-/// The share of a wrapping side beyond which a step is one through a pole or a flip.
+/// The fraction of a wrapping side beyond which a step is one through a pole or a flip.
 const TURNS: f64 = 0.2;
 
-/// The pieces of a line in space across the whole of a domain.
+/// The number of pieces of a line in space across a whole domain.
 const PIECES: f64 = 128.0;
 
-/// A straight line of the chart from one place to another, across sides that wrap.
+/// A straight line of the chart from one point to another, across sides that wrap.
 pub(crate) struct ChartLine<'s> {
     surface: &'s dyn Surface,
     from: [f64; 2],
     to: [f64; 2],
-    /// The way from one to the other.
+    /// The difference from the first point to the second.
     pub(crate) step: [f64; 2],
-    /// True if it goes through a pole or a flip, where no line of the chart does.
+    /// True if it passes through a pole or a flip, where the chart has no such line.
     pub(crate) turns: bool,
 }
 
@@ -166,13 +166,13 @@ impl<'s> ChartLine<'s> {
         }
     }
 
-    /// The place after a share of it.
+    /// Returns the point at a fraction of it.
     fn at(&self, share: f64) -> [f64; 2] {
         let (domain, sides) = (self.surface.domain(), self.surface.sides());
         [0, 1].map(|axis| {
             let [low, high] = domain[axis];
             let at = self.from[axis] + share * self.step[axis];
-            // Behind a side that wraps, the chart begins again.
+            // Beyond a side that wraps, the chart begins again.
             match sides.of(axis)[0] {
                 Side::Wrap => low + (at - low).rem_euclid(high - low),
                 _ => at,
@@ -180,7 +180,7 @@ impl<'s> ChartLine<'s> {
         })
     }
 
-    /// The number of pieces in which it is drawn in space; one where it is none of the chart.
+    /// Returns the number of pieces in which it is drawn in space; one if it is not a line of the chart.
     fn pieces(&self) -> u32 {
         let domain = self.surface.domain();
         let shares = [0, 1].map(|axis| self.step[axis] / (domain[axis][1] - domain[axis][0]));
@@ -192,8 +192,8 @@ impl<'s> ChartLine<'s> {
         }
     }
 
-    /// Its length, ∫√(E du² + 2F du dv + G dv²), by Gauss's rule with three nodes; that of the chord where it is none of the
-    /// chart.
+    /// Returns its length, ∫√(E du² + 2F du dv + G dv²), by Gaussian quadrature with three nodes; that of the chord if it is
+    /// not a line of the chart.
     fn length(&self) -> f64 {
         if self.turns && self.surface.is_embedded() {
             let [a, b] = [self.from, self.to].map(|uv| self.surface.jet(uv.into()).position);
@@ -215,12 +215,12 @@ impl<'s> ChartLine<'s> {
 }
 
 impl TrailKind {
-    /// Returns whether its length stands in the picture: what was measured stands beside it.
+    /// Returns whether the key shows its length: a measured length is written beside the trail.
     pub(crate) fn has_key(&self) -> bool {
         *self == Self::Walked
     }
 
-    /// Its name in notes.
+    /// Returns its name in notes.
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Walked => "trail",
@@ -231,13 +231,13 @@ impl TrailKind {
 
 /// A trail in space.
 pub(crate) struct SpaceTrail {
-    /// Its places; `None` where its surface is undefined.
+    /// Its points; `None` where its surface is undefined.
     pub(crate) line: Vec<Option<Knot>>,
-    /// The place that it rings, with its letter.
+    /// The point that it encircles, with its letter.
     pub(crate) mark: Option<(char, WorldPoint)>,
 }
 
-/// A trail in space; `None` for one on a metric.
+/// Returns a trail in space; `None` on a metric.
 pub(crate) fn in_space(scene: &Scene, params: &ParamValues, trail: &Trail) -> Option<SpaceTrail> {
     let object = scene.get(trail.surface)?;
     let uniforms = params.first_instance(scene, object);
@@ -292,7 +292,7 @@ mod tests {
             let middle = [0, 1, 2].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
             let [x, y, z] = middle;
             let off = ((x.hypot(y) - 2.0).hypot(z) - 1.0).abs();
-            // Less than the sag of 128 chords around the equator, and of as many around the tube.
+            // Less than the sag of 128 chords around the equator, and of the same number around the tube.
             assert!(off < 2e-3, "{off}");
             walked += (0..3)
                 .map(|k| (ends[1][k] - ends[0][k]).powi(2))

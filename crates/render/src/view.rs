@@ -1,13 +1,13 @@
-//! Views: the ways in which a scene is seen. A view is a module that implements [`View`] and is registered in [`Views`];
-//! the command line, the window and the protocol offer whatever is registered, and nothing else names a view.
+//! Views: the ways to see a scene. A view is a module that implements [`View`] and is registered in [`Views`]; the command
+//! line, the window and the protocol offer all registered views, and no other code names a view.
 //!
 //! ```text
 //! Views ──name──▶ View ──options──▶ ViewPart of a PictureRequest
 //!                  └──renderer──▶ ViewRenderer, kept by a Renderer ──draw──▶ RenderedImage
 //! ```
 //!
-//! To add a view: a struct of options ([`ViewOptions`](crate::request::ViewOptions)), a [`View`], a [`ViewRenderer`], and
-//! a line in [`Views::standard`].
+//! To add a view: a struct of options ([`ViewOptions`](crate::request::ViewOptions)), a [`View`], a [`ViewRenderer`], and a
+//! line in [`Views::standard`].
 
 pub mod geodesic;
 mod shared_state;
@@ -31,82 +31,83 @@ use crate::point::{PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::{Backend, PictureRequest, ViewPart};
 
-/// A way in which a scene is seen.
+/// A way to see a scene.
 pub trait View: fmt::Debug + Send + Sync {
-    /// Its name for the command line and the protocol: a word in lower case.
+    /// Returns its name for the command line and the protocol: a word in lower case.
     fn name(&self) -> &'static str;
 
-    /// Its title for people: "3D view".
+    /// Returns its title for the user: "3D view".
     fn title(&self) -> &'static str;
 
-    /// A line of help.
+    /// Returns a line of help.
     fn purpose(&self) -> &'static str;
 
-    /// The objects that it is of, in words: "surface, metric or solid"; `None` for a view of the whole scene. A view of an
-    /// object has a pane for each object that it shows, and a name may follow the view's: `geodesic:s`.
+    /// Returns the kinds of objects that it shows, in words: "surface, metric or solid"; `None` for a view of the whole
+    /// scene. A view of an object has a pane for each object, and its name may be followed by the object's: `geodesic:s`.
     fn object_kind(&self) -> Option<&'static str> {
         None
     }
 
-    /// Returns true if it is of one object.
+    /// Returns true if it shows one object.
     fn is_of_object(&self) -> bool {
         self.object_kind().is_some()
     }
 
-    /// Returns true if it can be of this object, or whether this object is seen in it.
+    /// Returns true if it can be opened for this object, or, for a view of the whole scene, if the object is visible in it.
     fn shows(&self, scene: &Scene, object: &Object) -> bool;
 
-    /// Returns true if a window opens the view of an object that it shows by itself; else it waits until it is asked for.
+    /// Returns true if a window opens the view of an object automatically; otherwise the user must open it.
     fn opens_by_itself(&self, _object: &Object) -> bool {
         true
     }
 
-    /// A sentence about a scene of which it shows no object.
+    /// Returns a sentence about a scene of which it shows no object.
     fn nothing(&self) -> &'static str {
         "Nothing to show"
     }
 
-    /// The view in whose pane it is shown, of a view that has none of its own: another way to see what that one shows.
+    /// Returns the view in whose pane it is shown, for an alternative to another view; `None` if it has a pane of its own.
     fn instead_of(&self) -> Option<&'static str> {
         None
     }
 
-    /// The word for a name behind the view's, as `SURFACE` in `geodesic:SURFACE`; `None` for a view that takes none.
+    /// Returns the placeholder of a name after the view's, such as `SURFACE` in `geodesic:SURFACE`; `None` if no name may
+    /// follow.
     fn name_behind(&self) -> Option<&'static str> {
         self.is_of_object().then_some("SURFACE")
     }
 
-    /// The options of a first picture with a name behind the view's: by default that of the object that it is of. `None` if
-    /// the scene has nothing of this name that the view takes.
+    /// Returns the options of an initial picture with a name after the view's: by default the name of the object that it
+    /// shows. `None` if the scene has nothing suitable of this name.
     fn options_of(&self, scene: &Scene, name: &str) -> Option<ViewPart> {
         let (id, _) = scene.object(name)?;
         self.is_of_object().then(|| self.options(Some(id)))
     }
 
-    /// The options of a first picture: of this object, if it is of one. A view of an object that is given none takes one
-    /// that does not exist, and its pictures are refused.
+    /// Returns the options of an initial picture: of this object, if the view shows one. If a view of an object is given
+    /// none, its options refer to an object that does not exist, and its pictures are refused.
     fn options(&self, object: Option<ObjectId>) -> ViewPart;
 
-    /// The keys and gestures that move its camera, for a list of shortcuts.
+    /// Returns the keys and gestures that move its camera, for a list of shortcuts.
     fn keys(&self) -> &'static [Key] {
         &[]
     }
 
-    /// Returns the settings of its pictures that can be turned on and off, beyond those that all views have.
+    /// Returns the settings of its pictures that can be turned on and off, in addition to those that all views have.
     fn settings(&self) -> &'static [Setting] {
         &[]
     }
 
-    /// Adds to a plan what a picture needs.
+    /// Adds the needs of a picture to a plan.
     fn plan(&self, _request: &PictureRequest, _plan: &mut Plan) {}
 
     /// Returns the state that a renderer keeps for this view from one picture to the next.
     fn renderer(&self) -> Box<dyn ViewRenderer>;
 }
 
-/// A view's part of a renderer: it draws, and keeps what the next picture may use.
+/// A view's part of a renderer: it draws, and keeps data that the next picture may use.
 pub trait ViewRenderer: fmt::Debug + Send {
-    /// Draws a picture; the request has been checked. `progress` receives the share that is done, from 0 to 1, from any
+    /// Draws a picture; the request has been checked. `progress` receives the completed fraction, from 0 to 1, from any
     /// thread.
     ///
     /// # Errors
@@ -118,8 +119,8 @@ pub trait ViewRenderer: fmt::Debug + Send {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError>;
 
-    /// Draws a picture for print, with its lines and words as vectors as far as the view knows them; by default all of it
-    /// is pixels.
+    /// Draws a picture for print, with its lines and words as vectors if the view supports them; by default everything is
+    /// pixels.
     ///
     /// # Errors
     /// See [`RenderError`].
@@ -135,7 +136,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
         Ok(Layers::flat(drawn.with_pixels(pixels)))
     }
 
-    /// Finds the object and the place under a pixel.
+    /// Finds the object and the point at a pixel.
     ///
     /// # Errors
     /// As [`ViewRenderer::draw`].
@@ -148,7 +149,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
         Ok(None)
     }
 
-    /// The camera in space that a request has; `None` for a view that has no such camera.
+    /// Returns the camera in space of a request; `None` for a view that has no such camera.
     ///
     /// # Errors
     /// [`RenderError::Camera`].
@@ -161,20 +162,20 @@ pub trait ViewRenderer: fmt::Debug + Send {
     }
 }
 
-/// The object and place under a pixel.
+/// The object and the point at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The object.
     pub object: ObjectId,
-    /// The place in space; `None` on a metric.
+    /// The point in space; `None` on a metric.
     pub position: Option<WorldPoint>,
-    /// (u, v) of a surface, (t, 0) of a curve, zero otherwise.
+    /// (u, v) for a surface, (t, 0) for a curve, zero otherwise.
     pub parameters: [f64; 2],
     /// The number of the object's instance, from 0.
     pub instance: u64,
-    /// Of a solid, the leaf whose surface it is: a position in [`scene::Solid::leaves`].
+    /// For a solid, the leaf whose surface it is: a position in [`scene::Solid::leaves`].
     pub leaf: Option<usize>,
-    /// In a geodesic view, the polar coordinates of the place about the camera: the length of the pixel's geodesic, and its
+    /// In a geodesic view, the polar coordinates of the point about the camera: the length of the pixel's geodesic, and its
     /// angle in (−π, π] from the picture's right towards its up.
     pub polar: Option<[f64; 2]>,
 }
@@ -189,34 +190,34 @@ pub struct Key {
 }
 
 impl Key {
-    /// A key with its effect.
+    /// Creates a key with its effect.
     pub const fn new(keys: &'static str, action: &'static str) -> Self {
         Self { keys, action }
     }
 }
 
-/// Something that can be turned on and off in a view's pictures; [`ViewPart::set`] takes its name.
+/// A property of a view's pictures that can be turned on and off; [`ViewPart::set`] takes its name.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Setting {
-    /// A name for files.
+    /// The name in files.
     pub name: &'static str,
-    /// A title for people.
+    /// The title for the user.
     pub title: &'static str,
     /// True if it is on unless the user says otherwise.
     pub default: bool,
 }
 
-/// One view of a scene: a view of all of it, or of one object.
+/// One view of a scene: of the whole scene, or of one object.
 #[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ViewId {
     /// The view's name.
     pub kind: String,
-    /// The name of the object that it is of; `None` for a view of the whole scene.
+    /// The name of the object that it shows; `None` for a view of the whole scene.
     pub object: Option<String>,
 }
 
 impl ViewId {
-    /// A view of the whole scene.
+    /// Returns a view of the whole scene.
     pub fn of_scene(kind: &str) -> Self {
         Self {
             kind: kind.to_owned(),
@@ -224,7 +225,7 @@ impl ViewId {
         }
     }
 
-    /// A view of an object.
+    /// Returns a view of an object.
     pub fn of_object(kind: &str, object: &str) -> Self {
         Self {
             kind: kind.to_owned(),
@@ -232,7 +233,7 @@ impl ViewId {
         }
     }
 
-    /// The view that a request is for.
+    /// Returns the view of a request.
     pub fn from_request(request: &PictureRequest) -> Self {
         let object = request.view.object();
         let object = object.and_then(|id| request.scene.get(id));
@@ -253,7 +254,7 @@ impl From<&str> for ViewId {
     }
 }
 
-/// Writes the view as the command line takes it: `3d`, `geodesic:s`.
+/// Writes the view in the form of the command line: `3d`, `geodesic:s`.
 impl fmt::Display for ViewId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.object {
@@ -263,12 +264,12 @@ impl fmt::Display for ViewId {
     }
 }
 
-/// The views that are offered; the first one is the default.
+/// The available views; the first one is the default.
 #[derive(Clone, Debug)]
 pub struct Views(Vec<Arc<dyn View>>);
 
 impl Views {
-    /// The views of this program.
+    /// Returns the views of this program.
     pub fn standard() -> Self {
         Self(vec![
             Arc::new(space::SpaceView),
@@ -277,7 +278,7 @@ impl Views {
         ])
     }
 
-    /// These views and one more. One of the same name is replaced.
+    /// Returns these views and another one, which replaces a view of the same name.
     #[must_use]
     pub fn with(mut self, view: impl View + 'static) -> Self {
         self.0.retain(|known| known.name() != view.name());
@@ -285,12 +286,12 @@ impl Views {
         self
     }
 
-    /// The view that is shown unless another is asked for.
+    /// Returns the default view.
     pub fn first(&self) -> &dyn View {
         &*self.0[0]
     }
 
-    /// The views that a scene has: those of the whole scene, and of each object those that show it.
+    /// Returns the views that a scene has: those of the whole scene, and for each object those that show it.
     pub fn of_scene(&self, scene: Option<&Scene>) -> Vec<ViewId> {
         let mut ids = Vec::new();
         for view in self.iter().filter(|view| view.instead_of().is_none()) {
@@ -305,14 +306,14 @@ impl Views {
         ids
     }
 
-    /// Returns true if a window opens a view of a scene by itself.
+    /// Returns true if a window opens a view of a scene automatically.
     pub fn opens_by_itself(&self, id: &ViewId, scene: &Scene) -> bool {
         let object = id.object.as_ref().and_then(|name| scene.object(name));
         let both = self.get(&id.kind).zip(object);
         both.is_some_and(|(view, (_, object))| view.opens_by_itself(object))
     }
 
-    /// The options of a first picture of a view; `None` if there is no such view of this scene.
+    /// Returns the options of an initial picture of a view; `None` if there is no such view of this scene.
     pub fn options(&self, id: &ViewId, scene: &Scene) -> Option<ViewPart> {
         let view = self.get(&id.kind)?;
         match &id.object {
@@ -321,12 +322,12 @@ impl Views {
         }
     }
 
-    /// The view that is shown in the pane of another one, in its place.
+    /// Returns the view that is shown in the pane of another one, in its place.
     pub fn instead_of(&self, name: &str) -> Option<&dyn View> {
         self.iter().find(|view| view.instead_of() == Some(name))
     }
 
-    /// The title of a view, and behind `between` the name of the object that it is of: "Geodesic view of s".
+    /// Returns the title of a view, followed by `between` and the name of the object that it shows: "Geodesic view of s".
     pub fn title(&self, id: &ViewId, between: &str) -> String {
         let title = self.get(&id.kind).map_or(&*id.kind, |view| view.title());
         match &id.object {
@@ -335,7 +336,7 @@ impl Views {
         }
     }
 
-    /// The view of a name.
+    /// Returns the view with a name.
     pub fn get(&self, name: &str) -> Option<&dyn View> {
         self.iter().find(|view| view.name() == name)
     }

@@ -1,4 +1,4 @@
-//! Cameras as data, as a request holds them. A view puts them into a scene; a window moves them.
+//! Cameras as data in a request. A view places them in a scene; a window moves them.
 
 use geodesic::frame::Frame;
 use geodesic::implicit::SpaceFrame;
@@ -12,22 +12,22 @@ use crate::point::WorldPoint;
 /// the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Viewpoint {
-    /// The place of the eye.
+    /// The position of the eye.
     pub eye: Option<WorldPoint>,
-    /// The place that it looks at.
+    /// The point that it looks at.
     pub target: Option<WorldPoint>,
     /// The projection.
     pub projection: Projection,
 }
 
-/// The way in which space is projected onto a picture.
+/// The projection of space onto a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Projection {
-    /// Lines of sight meet in the eye: what is farther away is smaller.
+    /// Lines of sight meet in the eye: distant objects are smaller.
     #[default]
     Perspective,
-    /// Lines of sight are parallel: equal lengths across them are equal in the picture, as large as in a perspective
-    /// picture in the plane of the target. Nothing is behind the eye.
+    /// Lines of sight are parallel: equal lengths across them are equal in the picture, with the size that they have in
+    /// perspective in the plane of the target. Nothing is behind the eye.
     Orthographic,
 }
 
@@ -36,46 +36,46 @@ pub enum Projection {
 pub struct GeodesicCamera {
     /// The surface, metric or solid.
     pub surface: ObjectId,
-    /// Its place and direction.
+    /// Its position and direction.
     pub pose: Pose,
-    /// The distance on the surface from the picture's centre to the middle of its shorter side's edge; positive. Chosen
-    /// from the surface's size if not given. A [`Pose::Frame`] has its own.
+    /// The distance on the surface that corresponds to half the picture's shorter side; positive. Chosen from the surface's
+    /// size if not given. A [`Pose::Frame`] has its own.
     pub zoom: Option<f64>,
 }
 
-/// The place and direction of a geodesic camera.
+/// The position and direction of a geodesic camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pose {
     /// At a point of the chart.
     At {
-        /// (u, v); the middle of the domain if not given.
+        /// (u, v); the centre of the domain if not given.
         at: Option<[f64; 2]>,
         /// The angle from σu to the picture's x axis, towards σv, in radians.
         angle: f64,
-        /// Set if the picture's up lies to the right of that axis, as (u,v) has it: the surface is seen from its other
-        /// side.
+        /// True if the picture's up is to the right of that axis, in the orientation of (u,v): the surface is seen from its
+        /// other side.
         mirrored: bool,
     },
-    /// Near a place in space, on a solid.
+    /// Near a point in space, on a solid.
     InSpace {
-        /// (x, y, z), which is brought onto the solid's surface; where the ray from the middle of its box along x leaves it
-        /// if not given.
+        /// (x, y, z), which is projected onto the solid's surface; if not given, the point where the ray from the centre of
+        /// its box along x leaves it.
         at: Option<[f64; 3]>,
         /// The angle from X = ẑ×n (x̂ if that is 0) to the picture's x axis, towards n×X, in radians.
         angle: f64,
     },
-    /// A frame on a solid that has been moved. Its vectors' length is the zoom.
+    /// A frame on a solid that has been moved. The length of its vectors is the zoom.
     SpaceFrame(SpaceFrame),
-    /// A frame that has been moved: made by [`PlacedCamera::frame`](crate::geodesic_view::PlacedCamera) and moved by
-    /// [`Frame`]'s methods. Its vectors' length is the zoom.
+    /// A frame that has been moved: created by [`PlacedCamera::frame`](crate::geodesic_view::PlacedCamera) and moved by
+    /// [`Frame`]'s methods. The length of its vectors is the zoom.
     Frame(Frame),
 }
 
-/// The zooms that single precision can hold, and their inverses.
+/// The zooms that single precision can represent, and whose reciprocals it can represent.
 const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 impl Viewpoint {
-    /// A camera at a place, with a target.
+    /// Creates a camera at a position, with a target.
     pub fn new(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
             eye: Some(eye.into()),
@@ -106,7 +106,7 @@ impl Viewpoint {
 }
 
 impl GeodesicCamera {
-    /// The first camera of a surface or metric: in the middle of its domain, or beside it.
+    /// Returns the initial camera of a surface or metric: at the centre of its domain, or beside it.
     pub fn new(surface: ObjectId) -> Self {
         Self {
             surface,
@@ -119,7 +119,7 @@ impl GeodesicCamera {
         }
     }
 
-    /// Returns the camera at another point (u, v) of the chart, turned by no angle.
+    /// Returns the camera at another point (u, v) of the chart, with angle 0.
     #[must_use]
     pub fn at(self, at: [f64; 2]) -> Self {
         let pose = Pose::At {
@@ -148,7 +148,7 @@ impl GeodesicCamera {
         }
     }
 
-    /// Refuses a camera on no surface, and numbers that are not finite.
+    /// Refuses a camera that is not on a surface, and numbers that are not finite.
     ///
     /// # Errors
     /// [`RenderError::Manifold`], [`RenderError::Camera`].

@@ -1,5 +1,5 @@
-//! The colours of objects and of their instances: those that the program states, else those that were chosen, else those of
-//! [`crate::style`].
+//! The colours of objects and of their instances: those that the program specifies, otherwise those that were chosen,
+//! otherwise those of [`crate::style`].
 
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
@@ -10,7 +10,7 @@ use super::PictureRequest;
 use crate::style;
 
 impl PictureRequest {
-    /// Returns true if an object states a colour that is the same at all of the places of an instance.
+    /// Returns true if an object specifies a colour that is the same at all points of an instance.
     pub(super) fn states_colour(&self, object: ObjectId) -> bool {
         let stated = || StatedColour::of(&self.scene, self.scene.get(object)?);
         stated().is_some_and(|mut stated| {
@@ -19,7 +19,7 @@ impl PictureRequest {
         })
     }
 
-    /// The colours of all objects, sRGB, in their order; those of the first instances.
+    /// Returns the colours of all objects, sRGB, in their order; those of the first instances.
     pub fn object_colours(&self) -> Vec<[u8; 3]> {
         let base = self.unstated_colours();
         let objects = self.scene.objects.iter();
@@ -31,8 +31,8 @@ impl PictureRequest {
         colours.collect()
     }
 
-    /// The colours of the instances of all objects, sRGB, in their order: at least one for each object, of which the last is
-    /// that of all further instances.
+    /// Returns the colours of the instances of all objects, sRGB, in their order: at least one for each object, of which the
+    /// last is that of all further instances.
     pub fn instance_colours(&self) -> Vec<Vec<[u8; 3]>> {
         let base = self.unstated_colours();
         let objects = self.scene.objects.iter();
@@ -53,14 +53,14 @@ impl PictureRequest {
         colours.collect()
     }
 
-    /// The colour of an object, sRGB; that of its first instance.
+    /// Returns the colour of an object, sRGB; that of its first instance.
     pub fn srgb(&self, object: ObjectId) -> [u8; 3] {
         let colours = self.object_colours();
         let own = colours.get(object.index());
         own.copied().unwrap_or(style::SURFACE_COLOUR)
     }
 
-    /// The colours that objects have unless they state one.
+    /// Returns the colours of objects that specify none.
     fn unstated_colours(&self) -> Vec<UnstatedColour> {
         let usual = style::colours(&self.scene, self.theme, self.shows_curvature());
         let both = usual.into_iter().map(|usual| UnstatedColour {
@@ -77,7 +77,7 @@ impl PictureRequest {
     }
 }
 
-/// The colour of an object that states none, sRGB.
+/// The colour, sRGB, of an object that specifies none.
 #[derive(Clone, Copy)]
 struct UnstatedColour {
     usual: [u8; 3],
@@ -85,7 +85,7 @@ struct UnstatedColour {
 }
 
 impl UnstatedColour {
-    /// The stated colour, which wins over one that was chosen; what is out of date is dim all the same.
+    /// Returns the specified colour, which takes precedence over a chosen one; an outdated object is still dimmed.
     fn or_stated(self, stated: Option<[f64; 3]>) -> [u8; 3] {
         let Some(stated) = stated else {
             return self.chosen;
@@ -96,7 +96,7 @@ impl UnstatedColour {
     }
 }
 
-/// A stated colour that is the same at all places of an instance.
+/// A specified colour that is the same at all points of an instance.
 struct StatedColour<'a> {
     scene: &'a Scene,
     object: &'a Object,
@@ -107,8 +107,8 @@ struct StatedColour<'a> {
 }
 
 impl<'a> StatedColour<'a> {
-    /// The colour that an object states; `None` where it differs from place to place, and for a solid, whose faces have
-    /// colours of their own.
+    /// Returns the colour that an object specifies; `None` if it differs from point to point, and for a solid, whose faces
+    /// have colours of their own.
     fn of(scene: &'a Scene, object: &'a Object) -> Option<Self> {
         let nodes = color_nodes(object).filter(|_| object.shape.solid().is_none())?;
         let inputs = scene.graph.inputs(nodes);
@@ -133,8 +133,8 @@ impl<'a> StatedColour<'a> {
         })
     }
 
-    /// The colours of the instances, sRGB from 0 to 1, in their order: one if it is that of all, `None` where it is
-    /// undefined.
+    /// Returns the colours of the instances, sRGB from 0 to 1, in their order: a single one if all are equal, `None` where
+    /// the colour is undefined.
     fn instances(&mut self, params: &ParamValues) -> impl Iterator<Item = Option<[f64; 3]>> {
         let count = match self.is_one {
             true => 1,
@@ -160,7 +160,7 @@ impl<'a> StatedColour<'a> {
     }
 }
 
-/// The colour, sRGB from 0 to 1, of a grey or of red, green and blue; `None` where it is undefined.
+/// Returns the colour, sRGB from 0 to 1, of a grey value or of red, green and blue; `None` if it is undefined.
 pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
     let colour = match *numbers {
         [grey] => [grey; 3],
@@ -171,7 +171,7 @@ pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
     is_defined.then(|| colour.map(|part| part.clamp(0.0, 1.0)))
 }
 
-/// The numbers of the colour that an object states.
+/// Returns the numbers of the colour that an object specifies.
 pub(crate) fn color_nodes(object: &Object) -> Option<&[NodeId]> {
     let stated = object.attributes.iter().find(|it| it.word == "color")?;
     match &stated.value {

@@ -1,7 +1,7 @@
 //! The part of a request that belongs to its view: the camera, and the options that no other view reads.
 //!
-//! A view declares a plain struct and implements [`ViewOptions`] for it; a request carries it as a [`ViewPart`], which
-//! can be cloned, compared and printed like any other data.
+//! A view declares a plain struct and implements [`ViewOptions`] for it; a request holds it as a [`ViewPart`], which can be
+//! cloned, compared and printed like any other data.
 
 use std::any::Any;
 use std::fmt;
@@ -17,45 +17,45 @@ use crate::viewpoint::{GeodesicCamera, Viewpoint};
 
 /// The options of a view.
 pub trait ViewOptions: Comparable {
-    /// The view's name, under which it is registered.
+    /// Returns the view's name, under which it is registered.
     fn view(&self) -> &'static str;
 
-    /// The object that the view is of; `None` for a view of the whole scene.
+    /// Returns the object that the view shows; `None` for a view of the whole scene.
     fn object(&self) -> Option<ObjectId> {
         self.geodesic_camera().map(|camera| camera.surface)
     }
 
-    /// The options that all views in space have; `None` for another view.
+    /// Returns the options that all views in space have; `None` for another view.
     fn space(&self) -> Option<&SpaceOptions> {
         None
     }
 
-    /// As [`ViewOptions::space`], to be changed.
+    /// As [`ViewOptions::space`], mutable.
     fn space_mut(&mut self) -> Option<&mut SpaceOptions> {
         None
     }
 
-    /// The camera of a view that is seen from a surface or a metric; `None` for another view.
+    /// Returns the camera of a view from within a surface, a metric or a solid; `None` for another view.
     fn geodesic_camera(&self) -> Option<&GeodesicCamera> {
         None
     }
 
-    /// As [`ViewOptions::geodesic_camera`], to be changed.
+    /// As [`ViewOptions::geodesic_camera`], mutable.
     fn geodesic_camera_mut(&mut self) -> Option<&mut GeodesicCamera> {
         None
     }
 
-    /// The method by which geodesics are integrated, of a view that offers several.
+    /// Returns the method by which geodesics are integrated, for a view that offers several.
     fn method(&self) -> Option<PictureMethod> {
         None
     }
 
-    /// The samples of a pixel, of a view that is refined by more of them.
+    /// Returns the number of samples of a pixel, for a view with progressive sampling.
     fn samples(&self) -> Option<u32> {
         None
     }
 
-    /// Sets the samples of a pixel, of a view that is refined by more of them.
+    /// Sets the number of samples of a pixel, for a view with progressive sampling.
     fn set_samples(&mut self, _samples: u32) {}
 
     /// Turns one of the view's [settings](crate::view::Setting) on or off; returns whether the view has it.
@@ -63,7 +63,7 @@ pub trait ViewOptions: Comparable {
         false
     }
 
-    /// Returns whether one of the view's [settings](crate::view::Setting) is on; `None` of a setting of another view.
+    /// Returns whether one of the view's [settings](crate::view::Setting) is on; `None` for a setting of another view.
     fn is_on(&self, _setting: &str) -> Option<bool> {
         None
     }
@@ -77,26 +77,25 @@ pub trait ViewOptions: Comparable {
     }
 }
 
-/// The options that all views in space have: the camera, and what is drawn.
+/// The options that all views in space have: the camera, and the objects to draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceOptions {
-    /// The camera. One without a place and a target stands where the program declares a camera, if it does.
+    /// The camera. Without a position and a target, it is the camera that the program declares, if there is one.
     pub camera: Viewpoint,
-    /// The name of that camera; the first one if not given.
+    /// The name of the declared camera; the first one if not given.
     pub declared: Option<String>,
-    /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
+    /// A geodesic camera to be displayed: its frame, the axes and the border of its picture.
     pub show_camera: Option<GeodesicCamera>,
-    /// The colour behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
-    /// given.
+    /// The colour behind the objects: sRGB and a straight alpha; [`style::BACKGROUND`] if not given.
     pub background: Option<[u8; 4]>,
-    /// An object to be set off, by mixing [`style::EMPHASIS_COLOUR`] into it.
+    /// An object to be highlighted, by mixing [`style::EMPHASIS_COLOUR`] into it.
     pub highlight: Option<ObjectId>,
-    /// Objects to be left out. What lies on them is drawn, and they are seen from inside as ever.
+    /// Objects to be hidden. Objects on them are drawn, and they can still be seen from inside.
     pub hidden: Vec<ObjectId>,
 }
 
 impl SpaceOptions {
-    /// A picture from a place, towards a target.
+    /// Creates options for a picture from a position, towards a target.
     pub fn seen_from(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
             camera: Viewpoint::new(eye, target),
@@ -109,7 +108,7 @@ impl SpaceOptions {
         !self.hidden.contains(&object)
     }
 
-    /// Returns true if there is room for an object: also for one that is hidden, where something lies on it.
+    /// Returns true if the framing includes an object: also a hidden one with something on it.
     pub(crate) fn leaves_room(&self, request: &PictureRequest, object: ObjectId) -> bool {
         let mut geodesics = request.scene.geodesics_on(object);
         self.shows(object)
@@ -120,7 +119,7 @@ impl SpaceOptions {
             || request.trails.iter().any(|trail| trail.surface == object)
     }
 
-    /// The background in linear light, and its alpha.
+    /// Returns the background in linear light, and its alpha.
     pub(crate) fn background_light(&self) -> [f32; 4] {
         let [red, green, blue] = style::BACKGROUND;
         let [r, g, b, alpha] = self.background.unwrap_or([red, green, blue, 255]);
@@ -128,7 +127,7 @@ impl SpaceOptions {
         [r, g, b, f32::from(alpha) / 255.0]
     }
 
-    /// The share of [`style::EMPHASIS_COLOUR`] that an object has, from 0 to 1.
+    /// Returns the fraction of [`style::EMPHASIS_COLOUR`] in an object, from 0 to 1.
     pub(crate) fn emphasis(&self, object: ObjectId) -> f32 {
         if self.highlight == Some(object) {
             style::EMPHASIS
@@ -138,11 +137,11 @@ impl SpaceOptions {
     }
 }
 
-/// The derived traits that every type of options has, for values whose type is not known.
+/// The derived traits of every type of options, for values of unknown type.
 pub trait Comparable: Any + fmt::Debug + Send + Sync {
     /// Returns true if the other value has the same type and is equal.
     fn is_equal(&self, other: &dyn ViewOptions) -> bool;
-    /// A copy.
+    /// Returns a copy.
     fn copy(&self) -> Box<dyn ViewOptions>;
     /// Returns the options as a value of any type.
     fn any(&self) -> &dyn Any;
@@ -168,16 +167,16 @@ impl<T: ViewOptions + Clone + PartialEq> Comparable for T {
     }
 }
 
-/// The options of whichever view a request is for.
+/// The options of the view of a request, whichever it is.
 pub struct ViewPart(Box<dyn ViewOptions>);
 
 impl ViewPart {
-    /// The view's name.
+    /// Returns the view's name.
     pub fn name(&self) -> &'static str {
         self.0.view()
     }
 
-    /// The object that the view is of; `None` for a view of the whole scene.
+    /// Returns the object that the view shows; `None` for a view of the whole scene.
     pub fn object(&self) -> Option<ObjectId> {
         self.0.object()
     }
@@ -187,38 +186,38 @@ impl ViewPart {
         self.0.space()
     }
 
-    /// As [`ViewPart::space`], to be changed.
+    /// As [`ViewPart::space`], mutable.
     pub fn space_mut(&mut self) -> Option<&mut SpaceOptions> {
         self.0.space_mut()
     }
 
-    /// The camera of a view that is seen from a surface or a metric; `None` for another view.
+    /// Returns the camera of a view from within a surface, a metric or a solid; `None` for another view.
     pub fn geodesic_camera(&self) -> Option<&GeodesicCamera> {
         self.0.geodesic_camera()
     }
 
-    /// The geodesic camera that the picture is seen by, or that it shows in space.
+    /// Returns the geodesic camera that draws the picture, or that it displays in space.
     pub fn shown_camera(&self) -> Option<&GeodesicCamera> {
         let in_space = || self.space().and_then(|space| space.show_camera.as_ref());
         self.geodesic_camera().or_else(in_space)
     }
 
-    /// The method by which geodesics are integrated, of a view that offers several.
+    /// Returns the method by which geodesics are integrated, for a view that offers several.
     pub fn method(&self) -> Option<PictureMethod> {
         self.0.method()
     }
 
-    /// The samples of a pixel, of a view that is refined by more of them.
+    /// Returns the number of samples of a pixel, for a view with progressive sampling.
     pub fn samples(&self) -> Option<u32> {
         self.0.samples()
     }
 
-    /// Sets the samples of a pixel, of a view that is refined by more of them.
+    /// Sets the number of samples of a pixel, for a view with progressive sampling.
     pub fn set_samples(&mut self, samples: u32) {
         self.0.set_samples(samples);
     }
 
-    /// Puts a geodesic camera in place: the one that the picture is seen by, or that it shows in space.
+    /// Sets the geodesic camera that draws the picture, or that it displays in space.
     pub fn show_camera(&mut self, camera: GeodesicCamera) {
         if let Some(own) = self.0.geodesic_camera_mut() {
             *own = camera;
@@ -232,17 +231,17 @@ impl ViewPart {
         self.0.set(setting, on)
     }
 
-    /// Returns whether one of the view's settings is on; `None` of a setting of another view.
+    /// Returns whether one of the view's settings is on; `None` for a setting of another view.
     pub fn is_on(&self, setting: &str) -> Option<bool> {
         self.0.is_on(setting)
     }
 
-    /// The options, if they are of this type.
+    /// Returns the options, if they are of this type.
     pub fn get<T: ViewOptions>(&self) -> Option<&T> {
         self.0.any().downcast_ref()
     }
 
-    /// The options, if they are of this type, to be changed.
+    /// Returns the options, if they are of this type, mutable.
     pub fn get_mut<T: ViewOptions>(&mut self) -> Option<&mut T> {
         self.0.any_mut().downcast_mut()
     }

@@ -1,4 +1,4 @@
-//! The places of an object's samples, and a tape that is evaluated at all of them, on all cores.
+//! The parameters of an object's samples, and a tape that is evaluated at all of them, on all cores.
 
 use expr::Input;
 use expr::NodeId;
@@ -6,28 +6,28 @@ use expr::tape::{Block, LANES, Registers, Tape};
 use rayon::prelude::*;
 use scene::{Object, ParamValues, Sampling, Scene, Shape};
 
-/// The number of an object's samples that are evaluated.
+/// The number of samples of an object that are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Resolution {
     /// All.
     Full,
-    /// At most about this many samples, spread evenly, the ends of the domains among them.
+    /// At most about this number of samples, evenly distributed, including the ends of the domains.
     Coarse(usize),
 }
 
-/// An object's tape with all places where it is evaluated.
+/// An object's tape with all points at which it is evaluated.
 pub(crate) struct Sampler {
     tape: Tape,
     columns: Vec<Column>,
-    /// The uniforms that the tape takes for each instance.
+    /// The uniforms that the tape reads, for each instance.
     uniforms: Vec<f64>,
     uniforms_per_instance: usize,
     instances: usize,
-    /// The values of the variables; one value that is not used if there is no such variable.
+    /// The values of the variables; a single unused value for a missing variable.
     axes: [Vec<f64>; 2],
-    /// For each place of a curve along geodesics, the variables beyond its parameter.
+    /// For each point of a curve along geodesics, the variables beyond its parameter.
     followed: Vec<f64>,
-    /// The number of those for each place.
+    /// The number of those variables for each point.
     followed_per_place: usize,
 }
 
@@ -35,13 +35,13 @@ pub(crate) struct Sampler {
 #[derive(Clone, Copy)]
 enum Column {
     Variable(usize),
-    /// A position among a place's variables beyond the parameter of a curve.
+    /// A position among a point's variables beyond the parameter of a curve.
     Followed(usize),
     /// A position among an instance's uniforms.
     Uniform(usize),
 }
 
-/// Lanes that one task of the thread pool evaluates.
+/// The number of lanes that one task of the thread pool evaluates.
 pub(super) const CHUNK: usize = 16 * LANES;
 
 impl Sampler {
@@ -142,12 +142,12 @@ impl Sampler {
         [self.axes[0].len(), self.axes[1].len()]
     }
 
-    /// Returns the number of places.
+    /// Returns the number of points.
     pub(crate) fn len(&self) -> usize {
         self.instances * self.axes[0].len() * self.axes[1].len()
     }
 
-    /// The instance and the variables of a place.
+    /// Returns the instance and the variables of a point.
     pub(super) fn locate(&self, index: usize) -> (usize, [f64; 2]) {
         let (u, v) = (self.axes[0].len(), self.axes[1].len());
         (
@@ -164,7 +164,7 @@ impl Sampler {
         }
     }
 
-    /// Evaluates at variables of the caller's choice, with the uniforms of a place.
+    /// Evaluates at variables that the caller chooses, with the uniforms of a point.
     pub(super) fn eval(
         &self,
         registers: &mut Registers,
@@ -181,7 +181,7 @@ impl Sampler {
         self.tape.eval(registers, &inputs, out);
     }
 
-    /// Evaluates everywhere and turns each place's N results into a sample, in order, on all cores.
+    /// Evaluates everywhere and converts each point's N results to a sample, in order, on all cores.
     pub(crate) fn map<T, const N: usize>(
         &self,
         make: impl Fn(usize, &[f64; N]) -> T + Sync,
@@ -202,7 +202,7 @@ impl Sampler {
             |(registers, inputs, out), (chunk, samples)| {
                 for (block, samples) in samples.chunks_mut(LANES).enumerate() {
                     let first = chunk * CHUNK + block * LANES;
-                    // A last, partial block repeats its last place.
+                    // A partial last block repeats its last point.
                     for lane in 0..LANES {
                         let index = first + lane.min(samples.len() - 1);
                         let (instance, at) = self.locate(index);
@@ -225,7 +225,7 @@ fn is_surface(object: &Object) -> bool {
     matches!(object.shape, Shape::Surface { .. })
 }
 
-/// Returns at most `cap` indices from 0 to `count` − 1, evenly spread, both ends included.
+/// Returns at most `cap` indices from 0 to `count` − 1, evenly distributed, including both ends.
 fn pick(count: usize, cap: usize) -> Vec<usize> {
     if count <= cap {
         return (0..count).collect();

@@ -1,9 +1,8 @@
-//! Samples of surfaces: places with their normals.
+//! Samples of surfaces: positions with their normals.
 //!
-//! A surface and the param values flow in, samples flow out, in the order that [`super`] defines. Places and σu, σv come
-//! from jets of first order, a block of points at a time, each block within one instance, whose uniforms are fixed.
-//! Where instances are many and small, blocks would run half empty: there symbolic derivatives are evaluated, each lane
-//! with its own uniforms.
+//! In: a surface and the param values. Out: samples, in the order that [`super`] defines. Positions and σu, σv come from
+//! jets of first order, a block of points at a time, each block within one instance, whose uniforms are fixed. With many
+//! small instances, blocks would be partly empty: then symbolic derivatives are evaluated, each lane with its own uniforms.
 
 use std::cell::RefCell;
 
@@ -22,11 +21,11 @@ use super::{
 };
 use crate::placement::Placement;
 
-/// The number of samples from which on an instance is worth blocks of its own.
+/// The number of samples from which on an instance has blocks of its own.
 const WORTHWHILE: usize = 4 * LANES;
 
 thread_local! {
-    /// One set per thread, so that small instances need not allocate their own.
+    /// One set for each thread, so that small instances need not allocate their own.
     static REGISTERS: RefCell<JetRegisters> = RefCell::default();
 }
 
@@ -46,7 +45,7 @@ pub(super) fn surface(
     } else {
         symbolically(scene, params, object, placement, position, domain)
     };
-    // Without derivatives there are no normals; the shape can still be seen, lit from the eye alone.
+    // Without derivatives there are no normals; the shape is still visible, lit only from the eye.
     let samples = samples.unwrap_or_else(|| {
         let sampler = Sampler::full(scene, params, object, position);
         sampler.map(|_, out: &[f64; 3]| {
@@ -61,7 +60,7 @@ pub(super) fn surface(
     Samples::Surfaces { count, samples }
 }
 
-/// Puts undefined samples of an instance at their limits, with normals between those of their neighbours.
+/// Replaces undefined samples of an instance by their limits, with normals between those of their neighbours.
 pub(super) fn fill_gaps(
     samples: &mut [SurfaceSample],
     count: [u32; 2],
@@ -89,7 +88,7 @@ pub(super) fn fill_gaps(
     }
 }
 
-/// `None` if the derivatives explode.
+/// Samples with jets; returns `None` if the derivatives are too large.
 fn by_jets(
     scene: &Scene,
     params: &ParamValues,
@@ -148,7 +147,7 @@ struct Jets<'a> {
 }
 
 impl Jets<'_> {
-    /// Fills the samples of an instance from the `first` on.
+    /// Fills the samples of an instance, starting at `first`.
     fn fill(
         &self,
         registers: &mut JetRegisters,
@@ -160,14 +159,14 @@ impl Jets<'_> {
         let mut out = [[[0.0; LANES]; 3]; 3];
         let (mut i, mut j) = (first % us.len(), first / us.len());
         for samples in samples.chunks_mut(LANES) {
-            // A last, partial block repeats its last place.
+            // A partial last block repeats its last point.
             let mut at: [Block; 2] = [[us[i]; LANES], [vs[j]; LANES]];
             let [at_u, at_v] = &mut at;
             for (u, v) in at_u.iter_mut().zip(at_v).take(samples.len()) {
                 (*u, *v) = (us[i], vs[j]);
                 i += 1;
                 if i == us.len() {
-                    // Past the last place of all, the first stands in for one that is not looked at.
+                    // Past the last point, the first one fills the lane; its result is not used.
                     (i, j) = (0, (j + 1) % vs.len());
                 }
             }
@@ -195,11 +194,11 @@ impl Jets<'_> {
         }
     }
 
-    /// Returns the normal a little further inside, or zero if it is undefined there too.
+    /// Returns the normal slightly further inside, or zero if it is undefined there too.
     fn beside(&self, fixed: &Fixed, at: [f64; 2]) -> [f32; 3] {
         let at = self.domain.nudged(at).map(|x| [x]);
         let mut out = [[[0.0]; 3]; 3];
-        // Registers of its own: those of the blocks keep their constants.
+        // Separate registers: those of the blocks keep their constants.
         let mut registers = JetRegisters::default();
         self.tape
             .eval(&mut registers, fixed, &at, out.as_flattened_mut());
@@ -208,7 +207,7 @@ impl Jets<'_> {
     }
 }
 
-/// Samples as [`by_jets`] does, by symbolic derivatives.
+/// Samples as [`by_jets`] does, with symbolic derivatives.
 fn symbolically(
     scene: &Scene,
     params: &ParamValues,
@@ -251,7 +250,7 @@ fn symbolically(
     Some(samples)
 }
 
-/// The domain, as far as normals need it.
+/// The data of the domain that normals need.
 struct NormalDomain {
     middles: [f64; 2],
     widths: [f64; 2],
@@ -266,7 +265,7 @@ impl NormalDomain {
         }
     }
 
-    /// A place a little further inside.
+    /// Returns a point slightly further inside.
     fn nudged(&self, at: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| {
             let step = NORMAL_NUDGE * self.widths[k];
@@ -278,7 +277,7 @@ impl NormalDomain {
         })
     }
 
-    /// The unit normal, if σu and σv are defined and not parallel.
+    /// Returns the unit normal, if σu and σv are defined and not parallel.
     fn normal(&self, du: [f64; 3], dv: [f64; 3]) -> Option<[f32; 3]> {
         let du = glam::DVec3::from(du) * self.widths[0];
         let dv = glam::DVec3::from(dv) * self.widths[1];
@@ -286,7 +285,7 @@ impl NormalDomain {
         if !(longest > 0.0 && longest.is_finite()) {
             return None;
         }
-        // Divided first, so that no square over- or underflows.
+        // Divide first, so that no square overflows or underflows.
         let cross = (du / longest).cross(dv / longest);
         let length = cross.length();
         (length > DEGENERATE).then(|| (cross / length).as_vec3().to_array())

@@ -7,10 +7,10 @@ use super::points;
 use crate::sample::PositionSample;
 use crate::style;
 
-/// The cosine of the turn up to which two pieces share their end (a mitre); sharper turns get a round join.
+/// The cosine of the turn up to which two pieces share their end (a mitre); sharper turns have a round join.
 const MITRE: f32 = 0.8;
 
-/// The strips of the instances in `instances`, `count` samples each. Undefined samples and breaks leave gaps.
+/// Returns the strips of the instances in `instances`, `count` samples each. Undefined samples and breaks leave gaps.
 pub(super) fn mesh(
     eye: &Eye,
     material: u32,
@@ -28,7 +28,7 @@ pub(super) fn mesh(
     builder.finish()
 }
 
-/// The unbroken parts of a curve in view space. The last place of a part may lie behind the near plane.
+/// Returns the unbroken parts of a curve in view space. The last point of a part may be behind the near plane.
 pub(super) fn runs(eye: &Eye, samples: &[PositionSample]) -> Vec<Vec<Vec3>> {
     let mut runs = Vec::new();
     let mut run: Vec<Vec3> = Vec::with_capacity(samples.len());
@@ -40,7 +40,7 @@ pub(super) fn runs(eye: &Eye, samples: &[PositionSample]) -> Vec<Vec<Vec3>> {
         let at = eye.see(sample.position);
         let in_front = eye.is_in_front(at);
         match run.last().copied() {
-            // The part behind the near plane is cut off here: nothing can be projected from there.
+            // Cut off the part behind the near plane: its points cannot be projected.
             Some(last) if in_front != eye.is_in_front(last) => {
                 let t = (eye.near + last.z) / (last.z - at.z);
                 let edge = last.lerp(at, t).with_z(-eye.near);
@@ -67,7 +67,8 @@ pub(super) fn runs(eye: &Eye, samples: &[PositionSample]) -> Vec<Vec<Vec3>> {
     runs
 }
 
-/// The places of a run in front of the eye, without those that are seen as one: they give a piece no direction.
+/// Returns the points of a run in front of the eye, without those that coincide in the picture: they give a piece no
+/// direction.
 pub(super) fn distinct(eye: &Eye, places: &[Vec3]) -> Vec<Vec3> {
     let mut places = places.to_vec();
     places.retain(|at| eye.distance(*at) >= 0.999 * eye.near);
@@ -75,7 +76,7 @@ pub(super) fn distinct(eye: &Eye, places: &[Vec3]) -> Vec<Vec3> {
     places
 }
 
-/// One unbroken strip through view places in front of the eye.
+/// Adds one unbroken strip through points in front of the eye, in view space.
 fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
     let places = distinct(eye, places);
     let Some((&first, &last)) = places.first().zip(places.last()) else {
@@ -97,7 +98,7 @@ fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
         let next = sides.get(k + 1).copied().unwrap_or(side);
         let cosine = side.dot(next);
         let (at_end, after) = if cosine >= MITRE {
-            // (a + b) / (1 + a·b) has the component 1 along both a and b.
+            // (a + b) / (1 + a·b) has component 1 along both a and b.
             let shared = edge(builder, eye, end, (side + next) / (1.0 + cosine), half);
             (shared, shared)
         } else {
@@ -113,7 +114,7 @@ fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
     }
 }
 
-/// One straight piece between view places, with half widths of the caller's, for the shafts of vectors.
+/// Adds one straight piece between points in view space, with the given half widths, for the shafts of vectors.
 pub(super) fn piece(builder: &mut MeshBuilder, eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) {
     let side = side(eye, ends[0], ends[1]);
     let [a, b] = [0, 1].map(|k| edge(builder, eye, ends[k], side, half[k]));
@@ -121,7 +122,7 @@ pub(super) fn piece(builder: &mut MeshBuilder, eye: &Eye, ends: [Vec3; 2], half:
     builder.triangle(a[0], b[1], a[1]);
 }
 
-/// The unit vector across a piece as it is seen.
+/// Returns the unit vector across a piece, in the picture.
 fn side(eye: &Eye, a: Vec3, b: Vec3) -> Vec2 {
     let along = (eye.project(b) - eye.project(a)).normalize_or_zero();
     if along == Vec2::ZERO {
@@ -131,7 +132,7 @@ fn side(eye: &Eye, a: Vec3, b: Vec3) -> Vec2 {
     }
 }
 
-/// The two corners of a strip at a place.
+/// Adds the two corners of a strip at a point.
 fn edge(
     builder: &mut MeshBuilder,
     eye: &Eye,

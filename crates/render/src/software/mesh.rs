@@ -1,16 +1,16 @@
-//! Triangles: painters push vertices in view space, clipped and projected triangles come out.
+//! Triangles. In: vertices in view space, from painters. Out: clipped and projected triangles.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::camera::Camera;
 use crate::style::{self, Length, LineStyle};
 
-/// Fixed-point steps per pixel of projected places.
+/// The number of fixed-point steps per pixel in projected positions.
 pub(super) const SUBPIXEL: i32 = 256;
-/// Triangles are cut where they leave this many half pictures around the middle: fixed-point places stay small.
+/// Triangles are clipped at this many half pictures from the centre, so that fixed-point positions stay small.
 const GUARD: f32 = 3.0;
 
-/// The camera as painters need it.
+/// The camera, in the form that painters need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eye {
     /// The matrix from drawing units to view space.
@@ -23,7 +23,7 @@ pub(super) struct Eye {
     pub pixels_per_unit: f32,
     /// [`style::pixel_unit`].
     pub unit: f32,
-    /// The distance of an orthographic camera's plane, and the depth that it draws on either side; 0 in perspective.
+    /// The distance of an orthographic camera's plane, and its depth range on either side; 0 in perspective.
     pub plane: f32,
     pub reach: f32,
     /// The picture's size in pixels.
@@ -31,7 +31,7 @@ pub(super) struct Eye {
     /// Half the width of lines, and the radius of points.
     pub line: Length,
     pub point: Length,
-    /// The way by which glyphs come forward, and joins, in half widths.
+    /// The distance by which glyphs are moved towards the eye, and that for joins, in half widths.
     pub lift: f32,
     pub join_lift: f32,
 }
@@ -56,7 +56,7 @@ impl Eye {
         }
     }
 
-    /// The camera for an object with this look of its lines.
+    /// Returns the camera for an object with this look of its lines.
     pub(super) fn with_lines(self, style: LineStyle) -> Self {
         Self {
             line: style::LINE_HALF_WIDTH.times(style.width),
@@ -67,7 +67,7 @@ impl Eye {
         }
     }
 
-    /// A place of the scene in view space.
+    /// Converts a position of the scene to view space.
     pub(super) fn see(&self, position: [f32; 3]) -> Vec3 {
         self.view.transform_point3(Vec3::from(position))
     }
@@ -78,7 +78,7 @@ impl Eye {
         self.plane > 0.0
     }
 
-    /// The number that a view place is divided by to be projected: its distance, in perspective.
+    /// Returns the number by which a point in view space is divided in the projection: its distance, in perspective.
     #[inline(always)]
     pub(super) fn distance(&self, at: Vec3) -> f32 {
         if self.is_parallel() {
@@ -88,28 +88,28 @@ impl Eye {
         }
     }
 
-    /// Returns true if a view place is not behind the near plane.
+    /// Returns true if a point in view space is not behind the near plane.
     #[inline(always)]
     pub(super) fn is_in_front(&self, at: Vec3) -> bool {
         self.distance(at) >= self.near
     }
 
-    /// Half a line's width at a view place, in drawing units.
+    /// Returns half the width of a line at a point in view space, in drawing units.
     pub(super) fn half_width(&self, at: Vec3) -> f32 {
         let w = self.distance(at).max(self.near);
         self.line
             .at(w, self.pixels_per_unit, self.unit, style::LEAST_HALF_WIDTH)
     }
 
-    /// The length of one pixel at a view place, in drawing units.
+    /// Returns the length of one pixel at a point in view space, in drawing units.
     pub(super) fn pixel(&self, at: Vec3) -> f32 {
         self.distance(at).max(self.near) / self.pixels_per_unit
     }
 
-    /// A view place in clip space, its depth that of a place nearer by `lift`.
+    /// Converts a point to clip space, with the depth of a point nearer by `lift`.
     pub(super) fn clip(&self, at: Vec3, lift: f32) -> Vec4 {
         let w = self.distance(at);
-        // Lifted at most halfway to the eye: a glyph in front of the camera does not jump behind it.
+        // Lift it at most halfway to the eye, so that a glyph in front of the camera does not jump behind it.
         let depth = if self.is_parallel() {
             w * (0.5 + 0.5 * (at.z + lift + w) / self.reach)
         } else if w > 0.0 {
@@ -120,8 +120,8 @@ impl Eye {
         Vec4::new(at.x * self.zoom.x, at.y * self.zoom.y, depth, w)
     }
 
-    /// Projects a place in view space in front of the eye: offsets from the picture's middle in units that are equal in
-    /// x and y.
+    /// Projects a point in view space in front of the eye. Returns offsets from the picture's centre in units that are equal
+    /// in x and y.
     pub(super) fn project(&self, at: Vec3) -> Vec2 {
         at.truncate() / self.distance(at).max(self.near)
     }
@@ -130,18 +130,18 @@ impl Eye {
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// The place in clip space; depth is z / w, and w is the distance.
+    /// The position in clip space; depth is z / w, and w is the distance.
     pub clip: Vec4,
     /// The normal in view space, of any length; for surfaces and cones.
     pub normal: Vec3,
-    /// Texture coordinates of surfaces; the place in the unit disc of glyphs.
+    /// Texture coordinates for surfaces; the position in the unit disc for glyphs.
     pub uv: Vec2,
 }
 
 /// A projected corner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// The place in pixels × [`SUBPIXEL`] from the picture's top left.
+    /// The position in pixels × [`SUBPIXEL`] from the picture's top left.
     pub at: [i32; 2],
     pub depth: f32,
     pub inv_w: f32,
@@ -162,11 +162,11 @@ pub(super) struct Mesh {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VertexId(u32);
 
-/// Collects vertices and triangles, cuts what leaves the view, projects the rest.
+/// Collects vertices and triangles, clips those that leave the view, and projects the rest.
 pub(super) struct MeshBuilder<'a> {
     eye: &'a Eye,
     vertices: Vec<Vertex>,
-    /// The corner of each vertex that lies in the guarded view.
+    /// The corner of each vertex inside the guarded view.
     corner_of: Vec<Option<u32>>,
     mesh: Mesh,
 }
@@ -210,7 +210,7 @@ impl<'a> MeshBuilder<'a> {
         self.mesh
     }
 
-    /// Sutherland–Hodgman against the near plane and the guard planes.
+    /// Clips a triangle by the Sutherland–Hodgman algorithm against the near plane and the guard planes.
     fn cut(&mut self, triangle: [Vertex; 3]) {
         let near = self.eye.near;
         let planes: [&dyn Fn(Vec4) -> f32; 5] = [

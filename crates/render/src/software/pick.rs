@@ -1,5 +1,5 @@
-//! Picking in the 3D view: the triangle that a pixel's samples see, found as the picture finds it, and from it the
-//! object, its instance and the place on it.
+//! Picking in the 3D view: the triangle at a pixel's samples, found in the same way as for the picture, and from it the
+//! object, its instance and the point on it.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -11,26 +11,26 @@ use crate::camera::Camera;
 use crate::point::{DrawingPoint, PixelPoint};
 use crate::sample::{PositionSample, Samples};
 
-/// Points, vectors and curves are picked by a place that is so many pixels away from where they are seen.
+/// The distance in pixels within which points, vectors and curves are picked.
 pub const NEAR: f64 = 4.0;
 
 /// The result of picking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
-    /// The index among the objects that were drawn.
+    /// The index among the drawn objects.
     pub object: usize,
     /// The number of its instance.
     pub instance: u64,
-    /// The place.
+    /// The point.
     pub position: DrawingPoint,
-    /// Shares of the domain, from 0 to 1: of a surface along u and v, of a curve along t; zero otherwise.
+    /// Fractions of the domain, from 0 to 1: along u and v for a surface, along t for a curve; otherwise zero.
     pub shares: [f64; 2],
 }
 
 /// A triangle that a sample sees.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// The job that it is part of, and which of the job's meshes.
+    /// The job that it belongs to, and the index among the job's meshes.
     job: usize,
     mesh: usize,
     triangle: u32,
@@ -38,15 +38,14 @@ struct Seen {
     depth: f32,
 }
 
-/// Returns the object at a pixel: a point, vector or curve within
-/// [`NEAR`], else the surface there.
+/// Returns the object at a pixel: a point, vector or curve within [`NEAR`], otherwise the surface there.
 pub fn pick(camera: &Camera, objects: &[Drawable], PixelPoint(at): PixelPoint) -> Option<Picked> {
     let inside = |k: usize| at[k] >= 0.0 && at[k] < f64::from(camera.size[k]);
     if !inside(0) || !inside(1) {
         return None;
     }
     let eye = Eye::new(camera);
-    // A job of one colour has one mesh of each kind.
+    // A job with a single colour has one mesh of each kind.
     let objects: Vec<Drawable> = objects.iter().map(Drawable::of_one_colour).collect();
     let objects = &*objects;
     let jobs = jobs(objects);
@@ -90,7 +89,7 @@ pub fn pick(camera: &Camera, objects: &[Drawable], PixelPoint(at): PixelPoint) -
     Some(found(camera, &eye, objects, &jobs[seen.job], &seen, place))
 }
 
-/// The pixels around a place.
+/// The pixels around a position.
 struct PixelWindow {
     first: [usize; 2],
     end: [usize; 2],
@@ -114,8 +113,7 @@ impl PixelWindow {
         (y - self.first[1]) * (self.end[0] - self.first[0]) + x - self.first[0]
     }
 
-    /// Returns the triangles that the pixels' samples see. The tiles are those of the picture, so that depths are the
-    /// same numbers.
+    /// Returns the triangles that the pixels' samples see. The tiles are those of the picture, so that depths are identical.
     fn look(&self, eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<[Option<Seen>; 4]> {
         let mut all = vec![[None; 4]; self.pixels().count()];
         let tiles = |k: usize| self.first[k] / TILE..=(self.end[k] - 1) / TILE;
@@ -132,7 +130,7 @@ impl PixelWindow {
         };
         for batch in batches(jobs) {
             let first = batch.start;
-            // For each job its meshes, and of each the triangles that touch the window.
+            // For each job its meshes, and for each mesh the triangles that touch the window.
             let near: Vec<Vec<(Mesh, Vec<u32>)>> = jobs[batch]
                 .par_iter()
                 .map(|job| {
@@ -193,7 +191,7 @@ fn corners<'m>(mesh: &'m Mesh, triangle: &[u32; 3]) -> [&'m Corner; 3] {
     triangle.map(|corner| &mesh.corners[corner as usize])
 }
 
-/// The place on a triangle that is seen at a place of the picture.
+/// Returns the point of a triangle that is seen at a position in the picture.
 fn found(
     camera: &Camera,
     eye: &Eye,
@@ -204,7 +202,7 @@ fn found(
 ) -> Picked {
     let at = Vec2::new(place[0] as f32, place[1] as f32);
     let weights = weights(&seen.corners, place);
-    // 1 / w is affine over the picture; what is interpolated over w is as well.
+    // 1 / w is affine over the picture, and so is every interpolated quantity divided by w.
     let over_w = [0, 1, 2].map(|k| weights[k] * f64::from(seen.corners[k].inv_w));
     let sum: f64 = over_w.iter().sum();
     let w = if sum > 0.0 {
@@ -244,7 +242,7 @@ fn found(
     }
 }
 
-/// Barycentric coordinates in the picture; a place beside a triangle takes the nearest on its plane as they are.
+/// Returns barycentric coordinates in the picture; at a position beside a triangle, they extrapolate on its plane.
 fn weights(corners: &[Corner; 3], place: [f64; 2]) -> [f64; 3] {
     let Some(edges) = Edges::new(corners.map(|corner| corner.at)) else {
         return [1.0, 0.0, 0.0];
@@ -252,7 +250,8 @@ fn weights(corners: &[Corner; 3], place: [f64; 2]) -> [f64; 3] {
     edges.weights(place.map(|x| x * f64::from(SUBPIXEL)))
 }
 
-/// The view place that is seen at a pixel place: at the distance `w` in perspective, else at a depth.
+/// Returns the point in view space that is seen at a position in pixels: at the distance `w` in perspective, otherwise at a
+/// depth.
 fn view_place(eye: &Eye, at: Vec2, w: f32, depth: f32) -> Vec3 {
     let ndc = Vec2::new(2.0 * at.x / eye.size.x - 1.0, 1.0 - 2.0 * at.y / eye.size.y);
     let z = if eye.is_parallel() {
@@ -269,7 +268,7 @@ fn from_view(camera: &Camera, at: Vec3) -> DrawingPoint {
     DrawingPoint((camera.eye + right * x + up * y + back * z).to_array())
 }
 
-/// Returns the instance that a triangle belongs to: a job's triangles are those of its instances, one after the other.
+/// Returns the instance that a triangle belongs to: a job's triangles are in the order of its instances.
 fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
     let per_instance = match objects[job.object].samples.as_ref() {
         Samples::Surfaces { count, .. } => (count[1] - 1) as usize,
@@ -298,7 +297,7 @@ fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
     (job.range.end - 1) / per_instance
 }
 
-/// Returns the place along a curve that is nearest to a place of the picture, as a share of its samples.
+/// Returns the point of a curve that is nearest to a position in the picture, as a fraction of its samples.
 fn along(eye: &Eye, samples: &[PositionSample], at: Vec2) -> f64 {
     let seen = |sample: &PositionSample| {
         let view = eye.see(sample.position);
@@ -326,7 +325,7 @@ fn along(eye: &Eye, samples: &[PositionSample], at: Vec2) -> f64 {
         };
         let off = (a + t * step).distance(at);
         if off < best.0 {
-            // What is halfway in the picture is less than halfway to an end that is further away.
+            // The midpoint in the picture is less than halfway to an end that is farther away.
             let t = t * wa / (wb + t * (wa - wb));
             best = (off, k as f64 + f64::from(t));
         }

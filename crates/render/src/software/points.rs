@@ -6,7 +6,7 @@ use super::mesh::{Eye, Mesh, MeshBuilder, Vertex};
 use crate::sample::PositionSample;
 use crate::style;
 
-/// One disc for each defined sample.
+/// Returns one disc for each defined sample.
 pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh {
     let mut builder = MeshBuilder::new(eye, material);
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
@@ -27,7 +27,7 @@ pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh
     builder.finish()
 }
 
-/// A disc at a view place: a regular polygon of the disc's area, shaded like a ball.
+/// Adds a disc at a point in view space: a regular polygon of the disc's area, shaded like a ball.
 pub(super) fn disc(
     builder: &mut MeshBuilder,
     eye: &Eye,

@@ -1,14 +1,14 @@
-//! Rasterising: meshes into tiles, four samples a pixel, depth, and shading of what is seen.
+//! Rasterisation: meshes into tiles, four samples a pixel, depth, and shading of visible triangles.
 //!
 //! ```text
 //! meshes ──bins.rs──▶ triangles of a tile ──edges.rs──▶ which triangle each sample sees (tile.rs)
 //!        ──fragments, one for each triangle that a pixel sees──shade.rs──▶ light (tile.rs) ──▶ pixels
 //! ```
 //!
-//! Places are fixed-point and the fill rule is top-left, so that triangles with a common edge leave no gap and no
-//! sample twice. A tile first finds which triangle each sample sees, then shades each triangle once a pixel, at the
-//! middle of the samples that see it: no place is shaded that is hidden in the end, and none outside its triangle. Only
-//! where neighbours of one surface share a pixel, which they do not bend in, the larger one stands for them all.
+//! Positions are fixed-point and the fill rule is top-left, so that triangles with a common edge leave no gap and cover no
+//! sample twice. A tile first determines which triangle each sample sees, then shades each triangle once per pixel, at the
+//! centre of the samples that see it: no hidden point is shaded, and none outside its triangle. Only if flat neighbours of
+//! one surface share a pixel, the largest one is shaded for all of them.
 
 mod bins;
 mod edges;
@@ -26,7 +26,7 @@ pub(super) use edges::{Edges, cover};
 use tile::{LANES, NONE};
 pub(super) use tile::{Layer, TILE, Tile};
 
-/// Samples of a pixel, in 1/256 pixel from its top left: a rotated grid, that of the GPU's standard pattern.
+/// The samples of a pixel, in 1/256 pixel from its top left: a rotated grid, that of the GPU's standard pattern.
 pub(super) const SAMPLES: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
 
 /// Meshes that are drawn together, by tile.
@@ -41,7 +41,7 @@ pub(super) struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// Meshes for `tiles` (across, down), of which the first begins at the picture's row `top`.
+    /// Creates a batch of meshes for `tiles` (across, down), the first of which begins at row `top` of the picture.
     pub(super) fn new(
         eye: &'a Eye,
         materials: &'a [Material<'a>],
@@ -69,7 +69,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Draws into tiles that keep what was drawn before.
+    /// Draws into tiles; their previous contents stay.
     pub(super) fn draw(&self, tiles: &mut [Tile]) {
         tiles
             .par_iter_mut()
@@ -86,8 +86,8 @@ impl<'a> Batch<'a> {
             });
     }
 
-    /// Draws the tile of a number, of which nothing else is kept: gives its pixels, or none if it is empty. It begins with
-    /// what is seen of solids.
+    /// Draws a tile of which nothing else is kept, beginning with the visible solids. Returns its pixels, or `None` if it is
+    /// empty.
     pub(super) fn pixels(
         &self,
         number: usize,
@@ -142,7 +142,7 @@ impl<'a> Batch<'a> {
         for (y, row) in tools.layer.rows.each() {
             for x in row.step_by(LANES) {
                 let group = *tools.layer.group(y * TILE + x);
-                // Nothing is seen in most groups beside the scene, one triangle by most pixels within it.
+                // Most groups beside the scene see nothing, and most pixels inside it see one triangle.
                 if group.iter().fold(NONE, |all, id| all & id) == NONE {
                     continue;
                 }
@@ -171,7 +171,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Shades what the samples of a pixel see, where that is not one triangle.
+    /// Shades the samples of a pixel that do not all see one triangle.
     #[inline(always)]
     fn parts(&self, tools: &mut Tools, tile: &mut Tile, pixel: &Pixel, ids: [u32; 4]) {
         let mut open = mask(ids.map(|id| id != NONE));
@@ -214,7 +214,7 @@ impl<'a> Batch<'a> {
         waiting.fragments.push(&facet.planes, at, to);
     }
 
-    /// Lights the samples of the fragments that wait.
+    /// Lights the samples of the waiting fragments.
     #[inline(never)]
     fn settle(&self, waiting: &mut Queue, tile: &mut Tile) {
         if let Some(material) = self.materials.get(waiting.material as usize) {
@@ -227,7 +227,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// The mesh of a triangle, and its number there.
+    /// Returns the mesh of a triangle, and its number there.
     fn find(&self, id: u32) -> (usize, u32) {
         let mesh = self.bases.partition_point(|&base| base <= id) - 1;
         (mesh, id - self.bases[mesh])
@@ -255,8 +255,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Returns true if a triangle goes on where one of a surface ends: they have a corner in common, and the same side
-    /// is seen.
+    /// Returns true if a triangle continues a surface beyond another one: they share a corner, and the same side is visible.
     #[inline(always)]
     fn goes_on(&self, from: &Facet, id: u32) -> bool {
         let mesh = &self.meshes[from.mesh as usize];
@@ -272,7 +271,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// One tile to be drawn, with the instructions that there are.
+/// A task that draws one tile, with any set of instructions.
 struct OneTile<'b, 'a> {
     batch: &'b Batch<'a>,
     number: usize,
@@ -289,7 +288,7 @@ impl Work for OneTile<'_, '_> {
     }
 }
 
-/// Fragments of one material to be lit.
+/// A task that lights fragments of one material.
 struct Settle<'b> {
     material: &'b Material<'b>,
     eye: &'b Eye,
@@ -313,13 +312,13 @@ impl Work for Settle<'_> {
 
 /// A pixel that is being shaded.
 struct Pixel {
-    /// In its tile.
+    /// The index in its tile.
     index: u16,
     /// Its top left corner in the picture, in pixels.
     corner: [f32; 2],
 }
 
-/// A tile to be given as pixels.
+/// A task that converts a tile to pixels.
 struct Means<'b>(&'b Tile);
 
 impl Work for Means<'_> {
@@ -331,7 +330,7 @@ impl Work for Means<'_> {
     }
 }
 
-/// The number of triangles that are remembered while a batch is shaded, a power of two.
+/// The number of cached triangles during the shading of a batch, a power of two.
 const FACETS: usize = 256;
 
 /// A triangle that is being shaded.
@@ -339,17 +338,17 @@ struct Facet {
     id: u32,
     mesh: u32,
     material: u32,
-    /// In its mesh.
+    /// The corners in its mesh.
     corners: [u32; 3],
     /// True if it runs counterclockwise as seen.
     front: bool,
-    /// True for a surface's triangle that is nowhere much narrower than a pixel: half a pixel beside it, it is still
+    /// True for a surface's triangle that is nowhere much narrower than a pixel: a point half a pixel beside it is still
     /// near.
     wide: bool,
     planes: Planes,
 }
 
-/// Triangles that have been shaded lately: neighbours see the same ones.
+/// Recently shaded triangles: neighbouring pixels see the same ones.
 struct Facets(Vec<Option<Facet>>);
 
 impl Facets {
@@ -363,7 +362,7 @@ impl Facets {
     }
 }
 
-/// The number of queues, a power of two. Lines over a surface change the material every few pixels: with a queue each,
+/// The number of queues, a power of two. Lines over a surface change the material every few pixels: with separate queues,
 /// fragments still fill whole vectors.
 const QUEUES: usize = 4;
 
@@ -394,7 +393,7 @@ impl Tools {
     }
 }
 
-/// The buffers in which a thread draws one tile after the other.
+/// The buffers in which a thread draws one tile after another.
 pub(super) struct Workspace {
     tile: Tile,
     tools: Tools,
@@ -403,7 +402,7 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    /// Buffers for tiles that lie `across` to a row, from the picture's row `top` on.
+    /// Creates buffers for tiles, `across` in a row, starting at row `top` of the picture.
     pub(super) fn new(background: [f32; 4], across: usize, top: usize) -> Self {
         Self {
             tile: Tile::new([0; 2], background),
@@ -414,14 +413,14 @@ impl Workspace {
     }
 }
 
-/// A bit for each sample.
+/// Returns a bit for each sample.
 #[inline(always)]
 fn mask(samples: [bool; 4]) -> u8 {
     let [a, b, c, d] = samples.map(u8::from);
     a | b << 1 | c << 2 | d << 3
 }
 
-/// Returns the first of the samples in `open` that sees what most of them see.
+/// Returns the first of the samples in `open` with the most frequent triangle.
 #[inline(always)]
 fn dominant(ids: [u32; 4], open: u8) -> usize {
     let mut best = (0, 0);
@@ -434,7 +433,7 @@ fn dominant(ids: [u32; 4], open: u8) -> usize {
     best.1
 }
 
-/// The middle of each set of samples, in pixels from the pixel's top left.
+/// The centre of each set of samples, in pixels from the pixel's top left.
 const MIDDLES: [[f32; 2]; 16] = {
     let mut middles = [[0.5; 2]; 16];
     let mut set = 1;

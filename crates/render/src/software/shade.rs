@@ -1,8 +1,7 @@
-//! The colours of places on triangles.
+//! The colours of points on triangles.
 //!
-//! Input: triangles with what is interpolated on them ([`Planes`]), and where on them it is wanted. What flows out:
-//! light. Places wait until there are many ([`Fragments`]), so that whatever has no branches is computed for several of
-//! them at once.
+//! In: triangles with their interpolated quantities ([`Planes`]), and the points to be shaded. Out: light. Points wait until
+//! there are many ([`Fragments`]), so that branch-free code processes several at once.
 
 use glam::Vec3;
 
@@ -17,14 +16,14 @@ pub(super) struct Material<'a> {
     pub kind: MaterialKind<'a>,
     /// The colour in linear light.
     pub colour: [f32; 3],
-    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed in.
+    /// The fraction of [`style::EMPHASIS_COLOUR`] that is mixed in.
     pub emphasis: f32,
 }
 
 /// The kind of lighting of triangles.
 #[derive(Clone, Debug)]
 pub(super) enum MaterialKind<'a> {
-    /// A strip or disc that faces the eye: its texture coordinates are the place in the unit disc.
+    /// A strip or disc that faces the eye: its texture coordinates are the position in the unit disc.
     Glyph,
     /// An arrowhead.
     Cone,
@@ -38,18 +37,19 @@ impl Material<'_> {
     }
 }
 
-/// The quantities that are interpolated on a triangle, over the distance: then all of them are affine over the picture.
+/// The quantities that are interpolated on a triangle, divided by the distance: all of them are then affine over the
+/// picture.
 pub(super) struct Planes {
-    /// The picture's place, in pixels, that `here` belongs to.
+    /// The position in the picture, in pixels, of the values in `here`.
     origin: [f32; 2],
     here: [f32; PLANES],
     /// The changes from pixel to pixel, to the right and down.
     slopes: [[f32; PLANES]; 2],
-    /// 1 if the front is seen, else −1.
+    /// 1 if the front is seen, otherwise −1.
     side: f32,
 }
 
-/// Values that are interpolated, with one that is the same everywhere.
+/// The number of interpolated values, and one constant.
 const PLANES: usize = 8;
 /// Texture coordinates.
 const UV: [usize; 2] = [0, 1];
@@ -57,11 +57,11 @@ const UV: [usize; 2] = [0, 1];
 const INVERSE: usize = 2;
 /// Normals.
 const NORMAL: [usize; 3] = [3, 4, 5];
-/// The least of 1 over the corners' distances.
+/// The smallest of 1 over the corners' distances.
 const LEAST: usize = 6;
 
 impl Planes {
-    /// Those of a triangle with an area.
+    /// Returns the planes of a triangle with an area.
     pub(super) fn new(edges: &Edges, corners: [&Corner; 3]) -> Self {
         let values = corners.map(|corner| {
             let w = corner.inv_w;
@@ -72,7 +72,7 @@ impl Planes {
         let [p, q, r] = values;
         let mut here = p;
         here[LEAST] = p[INVERSE].min(q[INVERSE]).min(r[INVERSE]);
-        // Differences first: what is common to all corners leaves no rounding error.
+        // Subtract first: what is common to all corners leaves no rounding error.
         let slope = |a: f32, b: f32| std::array::from_fn(|k| a * (q[k] - p[k]) + b * (r[k] - p[k]));
         Self {
             origin: corners[0].at.map(|x| x as f32 / SUBPIXEL as f32),
@@ -83,33 +83,33 @@ impl Planes {
     }
 }
 
-/// Fragments of one [`Block`].
+/// The number of fragments of one [`Block`].
 const LANES: usize = 32;
-/// Blocks that wait.
+/// The number of blocks that wait.
 const BLOCKS: usize = 2;
 
-/// Places on triangles of one material that wait for their light.
+/// Points on triangles of one material that wait for their light.
 #[derive(Default)]
 pub(super) struct Fragments {
     count: usize,
     blocks: [Block; BLOCKS],
 }
 
-/// Fragments, by what they consist of.
+/// Fragments, as separate arrays.
 #[derive(Default)]
 struct Block {
-    /// In pixels.
+    /// The positions in pixels.
     at: [[f32; LANES]; 2],
     /// Interpolated values.
     values: [[f32; LANES]; PLANES],
-    /// The changes of the first three of them to the right and down; after that, those of u and v.
+    /// The changes of the first three values to the right and down; after that, those of u and v.
     slopes: [[f32; LANES]; 6],
     side: [f32; LANES],
     uv: [[f32; LANES]; 2],
     /// The factor of the colour, and the white that is added.
     lights: [[f32; LANES]; 2],
     light: [[f32; LANES]; 3],
-    /// The caller's own words.
+    /// The caller's own data.
     to: [[u16; 2]; LANES],
 }
 
@@ -126,7 +126,7 @@ impl Fragments {
         self.count = 0;
     }
 
-    /// One more, unless it is full: the place of the picture, in pixels, on a triangle.
+    /// Adds a fragment, unless it is full: a position in the picture, in pixels, on a triangle.
     #[inline(always)]
     pub(super) fn push(&mut self, planes: &Planes, at: [f32; 2], to: [u16; 2]) {
         let (block, lane) = (self.count / LANES, self.count % LANES);
@@ -154,7 +154,7 @@ impl Fragments {
         self.count += 1;
     }
 
-    /// The data that was pushed with a fragment, and its light.
+    /// Returns the data that was pushed with a fragment, and its light.
     #[inline(always)]
     pub(super) fn lit(&self, number: usize) -> ([u16; 2], [f32; 3]) {
         let block = &self.blocks[number / LANES % BLOCKS];
@@ -167,7 +167,7 @@ impl Fragments {
         (block.to[lane], [r, g, b])
     }
 
-    /// Finds the light of all.
+    /// Computes the light of all fragments.
     #[inline(always)]
     pub(super) fn shade(&mut self, material: &Material, eye: &Eye) {
         let count = self.count;
@@ -205,7 +205,7 @@ impl Block {
             }
             MaterialKind::Surface(image) => {
                 self.interpolate();
-                // Lanes without a fragment are looked up at the image's corner, and not shown.
+                // Lanes without a fragment read the image's corner, and are not shown.
                 for uv in &mut self.uv {
                     uv[filled..].fill(0.0);
                 }
@@ -235,7 +235,7 @@ impl Block {
         self.light[2][lane] = b;
     }
 
-    /// Texture coordinates and their slopes.
+    /// Computes texture coordinates and their slopes.
     #[inline(always)]
     fn interpolate(&mut self) {
         for k in 0..LANES {
@@ -244,7 +244,7 @@ impl Block {
             let [ax, ay, aw, bx, by, bw] = [0, 1, 2, 3, 4, 5].map(|n| self.slopes[n][k]);
             self.uv[0][k] = u;
             self.uv[1][k] = v;
-            // The derivative of a quotient.
+            // The quotient rule.
             self.slopes[0][k] = (ax - u * aw) * inverse;
             self.slopes[1][k] = (ay - v * aw) * inverse;
             self.slopes[2][k] = (bx - u * bw) * inverse;
@@ -258,8 +258,8 @@ impl Block {
             let to_eye = to_eye(eye, [self.at[0][k], self.at[1][k]]);
             let [x, y, z] = [3, 4, 5].map(|n: usize| self.values[n][k]);
             let length = (x * x + y * y + z * z).sqrt();
-            // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and
-            // turning it over there would speckle the rim. What has no normal faces the eye.
+            // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and flipping
+            // it there would speckle the rim. A point without a normal faces the eye.
             let scale = self.side[k] / length;
             let is_one = scale.abs() < f32::MAX;
             let normal = [
@@ -274,7 +274,7 @@ impl Block {
     }
 }
 
-/// The unit vector to the eye from what is seen at a place of the picture, in view space.
+/// Returns the unit vector to the eye from the point that is seen at a position in the picture, in view space.
 #[inline(always)]
 fn to_eye(eye: &Eye, at: [f32; 2]) -> [f32; 3] {
     if eye.is_parallel() {

@@ -1,5 +1,5 @@
-//! The 3D view: samples to meshes to tiles, in batches of triangles and bands of rows, so that neither a large scene
-//! nor a large picture takes memory without bound.
+//! The 3D view: samples to meshes to tiles, in batches of triangles and bands of rows, so that the memory for large scenes
+//! and large pictures is bounded.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use crate::texture::Texture;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-/// Pixels of a band.
+/// The number of pixels of a band.
 const BAND: usize = 1 << 21;
-/// Triangles of a job, about.
+/// The approximate number of triangles of a job.
 const JOB: usize = 8_192;
-/// Triangles of a batch, about.
+/// The approximate number of triangles of a batch.
 const BATCH: usize = 1 << 20;
 
-/// A part of an object: instances of points, vectors and curves, quad rows of surfaces.
+/// A part of an object: instances of points, vectors and curves, rows of quads of surfaces.
 pub(super) struct Job {
     pub(super) object: usize,
     /// The first of the object's materials.
@@ -38,18 +38,18 @@ pub struct Drawable {
     pub samples: Arc<Samples>,
     /// The colours of its instances in linear light, at least one; the last one is that of all further instances.
     pub colours: Arc<[[f32; 3]]>,
-    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
+    /// The fraction of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
     pub emphasis: f32,
     /// The look of its lines.
     pub line: LineStyle,
-    /// The image of a surface; other kinds have no use for it.
+    /// The image of a surface; unused for other kinds.
     pub texture: Option<Arc<Texture>>,
-    /// Of a surface, one column and row of samples in so many is drawn.
+    /// For a surface, one of `stride` columns and rows of samples is drawn.
     pub(crate) stride: usize,
 }
 
 impl Drawable {
-    /// An object with its look.
+    /// Creates an object with its look.
     pub(crate) fn new(samples: Arc<Samples>, look: &Look, texture: Option<Arc<Texture>>) -> Self {
         Self {
             samples,
@@ -61,7 +61,7 @@ impl Drawable {
         }
     }
 
-    /// The object with one colour for all instances.
+    /// Returns the object with one colour for all instances.
     pub(super) fn of_one_colour(&self) -> Self {
         let colours = self.colours.iter().take(1).copied().collect();
         Self {
@@ -70,7 +70,7 @@ impl Drawable {
         }
     }
 
-    /// The number of the parts of an instance that [`Job::range`] counts.
+    /// Returns the number of the parts of an instance that [`Job::range`] counts.
     fn units_per_instance(&self) -> usize {
         match self.samples.as_ref() {
             Samples::Surfaces { count, .. } => surfaces::quads(count[1], self.stride),
@@ -78,7 +78,7 @@ impl Drawable {
         }
     }
 
-    /// Nothing is drawn.
+    /// Returns an object of which nothing is drawn.
     pub(crate) fn nothing() -> Self {
         Self {
             samples: Arc::new(Samples::Points(Vec::new())),
@@ -91,7 +91,7 @@ impl Drawable {
     }
 }
 
-/// The depths of a picture's pixels, of each the farthest of its samples; 0 where nothing is seen.
+/// The depths of a picture's pixels, for each that of its farthest sample; 0 where nothing is seen.
 #[derive(Clone, Debug)]
 pub(crate) struct DepthMap {
     size: [u32; 2],
@@ -99,7 +99,7 @@ pub(crate) struct DepthMap {
 }
 
 impl DepthMap {
-    /// The depth at a place of the picture; `None` beside it.
+    /// Returns the depth at a position in the picture; `None` outside it.
     pub(crate) fn at(&self, [x, y]: [f32; 2]) -> Option<f32> {
         let [width, height] = self.size.map(|side| side as f32);
         let inside = (0.0..width).contains(&x) && (0.0..height).contains(&y);
@@ -108,7 +108,7 @@ impl DepthMap {
     }
 }
 
-/// Draws as [`draw_beside`] does, and returns the depths of the pixels too.
+/// Draws as [`draw_beside`] does, and also returns the depths of the pixels.
 pub(crate) fn draw_with_depths(
     camera: &Camera,
     objects: &[Drawable],
@@ -162,7 +162,7 @@ pub(crate) fn draw_with_depths(
     (image, DepthMap { size, depths })
 }
 
-/// The materials of objects, two for each colour; the second one is that of arrowheads.
+/// Returns the materials of objects, two for each colour; the second one is that of arrowheads.
 fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
     let own = objects.iter().flat_map(|object| {
         let kinds = match &object.texture {
@@ -181,8 +181,8 @@ fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
     own.collect()
 }
 
-/// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` receives the
-/// share that is done.
+/// Draws objects as seen by a camera, in front of a background (linear light and alpha). `progress` receives the completed
+/// fraction.
 pub fn draw(
     camera: &Camera,
     objects: &[Drawable],
@@ -192,7 +192,7 @@ pub fn draw(
     draw_beside(camera, objects, None, background, progress)
 }
 
-/// Draws objects beside solids, which hide what lies behind them.
+/// Draws objects together with solids; both hide what is behind them.
 pub(crate) fn draw_beside(
     camera: &Camera,
     objects: &[Drawable],
@@ -215,7 +215,7 @@ pub(crate) fn draw_beside(
             .flat_map_iter(|job| meshes(&eye, objects, job))
             .collect()
     };
-    // All that is drawn in one go needs to be transformed only once, however many bands there are.
+    // If everything fits into one batch, it is transformed only once, whatever the number of bands.
     let whole = (batches.len() < 2).then(|| batches.first().map_or_else(Vec::new, made));
     for (band, pixels) in image.chunks_mut(band_rows * width * 4).enumerate() {
         let top = band * band_rows;
@@ -266,7 +266,7 @@ pub(crate) fn draw_beside(
     image
 }
 
-/// Fills rows of pixels from those of tiles: `row` gives the tile's row at the left end of each, or one colour for all.
+/// Fills rows of pixels from those of tiles: `row` returns the row of the tile that begins there, or one colour for all.
 fn fill<'t>(
     pixels: &mut [u8],
     width: usize,
@@ -286,7 +286,7 @@ fn fill<'t>(
         });
 }
 
-/// Cuts the objects into jobs.
+/// Splits the objects into jobs.
 pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
     let mut jobs = Vec::new();
     let mut material = 0;
@@ -335,7 +335,7 @@ pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
     batches
 }
 
-/// The triangles of a job. Those of instances that have colours of their own are meshes of their own.
+/// Returns the triangles of a job. Those of instances with colours of their own are separate meshes.
 pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     let object = &objects[job.object];
     let last = object.colours.len() - 1;
@@ -358,7 +358,7 @@ pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     meshes
 }
 
-/// The triangles of a part of an object, which have one colour.
+/// Returns the triangles of a part of an object, which have one colour.
 fn part(eye: &Eye, object: &Drawable, material: u32, range: std::ops::Range<usize>) -> Vec<Mesh> {
     let eye = &eye.with_lines(object.line);
     match object.samples.as_ref() {

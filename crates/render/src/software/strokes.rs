@@ -1,4 +1,4 @@
-//! Curves as vectors: their polylines as they are seen, without the parts that something else hides.
+//! Curves as vectors: their polylines in the picture, without the hidden parts.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -11,48 +11,48 @@ use crate::layers::Stroke;
 use crate::sample::Samples;
 use crate::style;
 
-/// The distance in pixels of the places at which a line is tested.
+/// The distance in pixels between the points at which a line is tested.
 const STEP: f32 = 0.5;
-/// The most places of a piece.
+/// The maximum number of points of a piece.
 const MOST_STEPS: f32 = 16_384.0;
-/// A gap that is no longer, in widths of the line, is none: the line lies on what seems to hide it.
+/// Gaps up to this length, in widths of the line, are closed: the line is on the surface that seems to hide it.
 const LEAST_GAP: f32 = 1.0;
-/// A part of a line that is no longer, in pixels, is left out.
+/// Parts of a line up to this length, in pixels, are left out.
 const LEAST_PART: f32 = 0.75;
-/// The share by which widths along a stroke may differ.
+/// The maximum relative difference of widths along a stroke.
 const SAME_WIDTH: f32 = 0.12;
-/// The share of the depths of all lines by which depths along a stroke may differ: strokes are ordered by them.
+/// The maximum difference of depths along a stroke, as a fraction of the range of all lines: strokes are ordered by depth.
 const SAME_DEPTH: f32 = 0.04;
-/// Depths that differ less are equal: they are rounded.
+/// Smaller differences of depth are rounding errors.
 const LEAST_DEPTH: f32 = 1e-6;
-/// Pieces reach so many half pictures beyond the middle.
+/// Pieces are clipped at this many half pictures from the centre.
 const GUARD: f32 = 1.1;
 
-/// Things that may lie before lines.
+/// Objects that may hide lines.
 #[derive(Clone, Copy)]
 pub(crate) struct LineCover<'a> {
     depths: &'a DepthMap,
     key: Option<[f32; 4]>,
 }
 
-/// The way in which a place of a line is seen.
+/// The visibility of a point of a line.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Sight {
     Seen,
-    /// Something lies before it.
+    /// Something is in front of it.
     Hidden,
     /// It is not drawn.
     Absent,
 }
 
 impl<'a> LineCover<'a> {
-    /// The depths of all that may hide a line, and the place of the picture's key, in which no line is drawn: left, top, right
-    /// and bottom in pixels.
+    /// Creates a cover from the depths of everything that may hide a line, and the rectangle of the picture's key, in which
+    /// no line is drawn: left, top, right and bottom in pixels.
     pub(crate) fn new(depths: &'a DepthMap, key: Option<[f32; 4]>) -> Self {
         Self { depths, key }
     }
 
-    /// Returns how a place of the picture at a depth is seen.
+    /// Returns the visibility of a position in the picture at a depth.
     fn sight(&self, at: Vec2, depth: f32) -> Sight {
         let is_under_key = self.key.is_some_and(|[left, top, right, bottom]| {
             (left..right).contains(&at.x) && (top..bottom).contains(&at.y)
@@ -65,8 +65,8 @@ impl<'a> LineCover<'a> {
     }
 }
 
-/// Returns the visible parts of the curves among some objects, in the order in which they are drawn: below them the hidden parts
-/// of those that are marked.
+/// Returns the visible parts of the curves among some objects, in drawing order, and below them the hidden parts of marked
+/// curves.
 pub(crate) fn strokes(
     camera: &Camera,
     objects: &[(&Drawable, bool)],
@@ -88,7 +88,7 @@ pub(crate) fn strokes(
     strokes
 }
 
-/// Returns the least and the greatest depth of an object's lines in the picture.
+/// Returns the smallest and the largest depth of an object's lines in the picture.
 fn depths(eye: &Eye, object: &Drawable) -> [f32; 2] {
     let mut range = [f32::INFINITY, f32::NEG_INFINITY];
     let Samples::Curves { count, samples } = &*object.samples else {
@@ -109,7 +109,7 @@ fn depths(eye: &Eye, object: &Drawable) -> [f32; 2] {
     range
 }
 
-/// Returns the strokes of an object's lines; depths along each differ by no more than `depth_step`, unless it is hidden.
+/// Returns the strokes of an object's lines; depths along a visible stroke differ by at most `depth_step`.
 fn of_object(
     eye: &Eye,
     object: &Drawable,
@@ -142,18 +142,19 @@ fn of_object(
     strokes
 }
 
-/// A place of a line in the picture.
+/// A point of a line in the picture.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     at: Vec2,
     width: f32,
     depth: f32,
-    /// Set if the line has a corner here, or an end.
+    /// True if the line has a corner or an end here.
     is_kept: bool,
     sight: Sight,
 }
 
-/// Returns the parts of a line through view places that are drawn: the visible ones, and if wanted the hidden ones.
+/// Returns the parts of a line through points in view space that are drawn: the visible ones, and if requested the hidden
+/// ones.
 fn parts(
     eye: &Eye,
     run: &[Vec3],
@@ -163,7 +164,7 @@ fn parts(
 ) -> Vec<Vec<Place>> {
     let mut places: Vec<Place> = Vec::new();
     let pieces = run.windows(2).map(|piece| [piece[0], piece[1]]);
-    // A line that is a single place is seen as a dot.
+    // A line that is a single point is a dot.
     let dot = match *run {
         [at] => Some([at, at]),
         _ => None,
@@ -184,7 +185,7 @@ fn parts(
     for (k, place) in places.iter().enumerate() {
         let last = parts.len() - 1;
         let part = &mut parts[last];
-        // Pieces that were cut do not join.
+        // Clipped pieces do not join.
         let joins = part
             .last()
             .is_none_or(|it| (it.at - place.at).length() < 4.0 * STEP && it.sight == place.sight);
@@ -207,7 +208,7 @@ fn parts(
         });
         part.push(*place);
         if !same && k + 1 < places.len() {
-            // The next part begins where this one ends.
+            // The next part begins at the end of this one.
             parts.push(vec![*place]);
         }
     }
@@ -230,13 +231,13 @@ fn place(eye: &Eye, at: Vec3, is_kept: bool, cover: &LineCover<'_>) -> Place {
     }
 }
 
-/// The place in the picture of a view place.
+/// Returns the position in the picture of a point in view space.
 fn pixel(eye: &Eye, at: Vec3) -> Vec2 {
     let offset = at.truncate() / eye.distance(at).max(eye.near) * eye.zoom;
     Vec2::new(1.0 + offset.x, 1.0 - offset.y) * 0.5 * eye.size
 }
 
-/// Returns the part of a piece that lies in the picture or close beside it.
+/// Returns the part of a piece inside the picture or close to it.
 fn cut(eye: &Eye, [from, to]: [Vec3; 2]) -> Option<[Vec3; 2]> {
     let (mut first, mut last) = (0.0_f32, 1.0_f32);
     for axis in 0..2 {
@@ -280,7 +281,7 @@ fn length(part: &[Place]) -> f32 {
     pieces.map(|pair| (pair[1].at - pair[0].at).length()).sum()
 }
 
-/// The places of a part that are corners or ends, each once.
+/// Returns the points of a part that are corners or ends, each once.
 fn corners(part: &[Place]) -> Vec<Place> {
     let last = part.len() - 1;
     let numbered = part.iter().enumerate();

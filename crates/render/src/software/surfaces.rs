@@ -1,20 +1,20 @@
-//! Surfaces as triangles, two to a quad of samples.
+//! Surfaces as triangles, two for each quad of samples.
 
 use glam::{Vec2, Vec3};
 
 use super::mesh::{Eye, Mesh, MeshBuilder, Vertex, VertexId};
 use crate::sample::SurfaceSample;
 
-/// The number of rows or columns of quads between `samples` rows or columns of which one in `stride`, and the last, is drawn.
+/// Returns the number of rows or columns of quads for `samples` rows or columns, of which every `stride`th and the last one
+/// are drawn.
 pub(super) fn quads(samples: u32, stride: usize) -> usize {
     (samples as usize - 1).div_ceil(stride)
 }
 
-/// The triangles of the quad rows `rows`, numbered over all instances, [`quads`] to each. One column and row of samples in
-/// `stride` is drawn, and the last one.
+/// Returns the triangles of the quad rows `rows`, numbered over all instances, with [`quads`] for each. Every `stride`th
+/// column and row of samples is drawn, and the last one.
 ///
-/// A triangle with an undefined corner is left out. Seen from the side that σu×σv points to, triangles run
-/// counterclockwise.
+/// A triangle with an undefined corner is left out. Seen from the side that σu×σv points to, triangles run counterclockwise.
 pub(super) fn mesh(
     eye: &Eye,
     material: u32,
@@ -26,7 +26,7 @@ pub(super) fn mesh(
     let mut builder = MeshBuilder::new(eye, material);
     let [columns, lines] = count.map(|n| n as usize);
     let [quad_columns, quad_rows] = count.map(|n| quads(n, stride));
-    // The lower row of samples of one quad row is the upper one of the next.
+    // The lower row of samples of a quad row is the upper row of the next.
     let mut last: Option<(usize, Vec<Option<VertexId>>)> = None;
     for row in rows {
         let (instance, j) = (row / quad_rows, row % quad_rows);
@@ -55,7 +55,7 @@ pub(super) fn mesh(
         let far = line(&mut builder, j + 1);
         for i in 0..quad_columns {
             let (a, b, c, d) = (near[i], near[i + 1], far[i + 1], far[i]);
-            // No open cell is thinned out.
+            // Thinning never skips an open cell.
             let first = (instance * lines + j * stride) * columns + i * stride;
             if samples[first].is_last() {
                 continue;

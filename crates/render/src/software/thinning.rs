@@ -1,7 +1,7 @@
-//! Fewer triangles of a surface while something moves, where hardly anything is seen of it.
+//! Fewer triangles of a surface during motion, where the difference is hardly visible.
 //!
-//! Thinning draws every other column and row of samples, and the last ones. What that changes is known exactly: a sample
-//! that is left out comes to lie in the middle of the edge that runs past it.
+//! Thinning draws every other column and row of samples, and the last ones. Its effect is known exactly: an omitted sample
+//! moves to the midpoint of the edge that passes it.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,15 +10,14 @@ use super::mesh::Eye;
 use crate::camera::Camera;
 use crate::sample::{Samples, SurfaceSample};
 
-/// Thinning draws one in so many columns and rows of samples.
+/// Thinning draws every `STRIDE`th column and row of samples.
 const STRIDE: usize = 2;
-/// The largest number of pixels by which thinning may move a sample.
+/// The maximum number of pixels by which thinning may move a sample.
 const MOST_PIXELS: f32 = 1.0;
-/// The largest difference between a unit normal and the one that thinning puts in its place; brightness then changes by no
-/// more than about this share.
+/// The maximum difference between a unit normal and its replacement; brightness then changes by at most about this fraction.
 const MOST_TURN: f32 = 0.02;
 
-/// Returns the number of columns and of rows of samples of which a picture draws one while something moves.
+/// Returns the stride of the columns and rows of samples that a picture draws during motion.
 pub(crate) fn moving_stride(camera: &Camera, samples: &Samples) -> usize {
     let Samples::Surfaces { count, samples } = samples else {
         return 1;
@@ -38,7 +37,7 @@ pub(crate) fn moving_stride(camera: &Camera, samples: &Samples) -> usize {
     if all { STRIDE } else { 1 }
 }
 
-/// Returns the numbers of the samples that are drawn before and after the `k`th of `all`: itself, where it is drawn.
+/// Returns the indices of the drawn samples before and after the `k`th of `all`: its own index if it is drawn.
 fn neighbours(k: usize, all: usize) -> [usize; 2] {
     let before = k - k % STRIDE;
     if k == before || k + 1 == all {
@@ -48,7 +47,7 @@ fn neighbours(k: usize, all: usize) -> [usize; 2] {
     }
 }
 
-/// Returns true if nobody sees it where a sample moves to the middle of two others.
+/// Returns true if moving a sample to the midpoint of two others is invisible.
 fn is_between(eye: &Eye, sample: &SurfaceSample, ends: [&SurfaceSample; 2]) -> bool {
     let [a, b] = ends;
     if [sample, a, b].iter().any(|it| it.defined != 1.0) {
@@ -87,7 +86,7 @@ mod tests {
         (0..columns * rows).map(sample).collect()
     }
 
-    /// A camera that looks along the z axis from so far.
+    /// A camera that looks along the z axis from this distance.
     fn camera(distance: f64) -> Camera {
         let bounds = Bounds {
             placement: Placement {

@@ -7,7 +7,7 @@ use super::{curves, points};
 use crate::sample::VectorSample;
 use crate::style;
 
-/// The meshes of shafts (glyphs) and heads (cones), in this order.
+/// Returns the meshes of shafts (glyphs) and heads (cones), in this order.
 pub(super) fn meshes(eye: &Eye, materials: [u32; 2], samples: &[VectorSample]) -> [Mesh; 2] {
     let [mut shafts, mut heads] = materials.map(|material| MeshBuilder::new(eye, material));
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
@@ -23,7 +23,7 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
     let length = along.length();
     let half = [eye.half_width(origin), eye.half_width(tip)];
     if length < 1e-3 * half[0] {
-        // A zero vector has no direction, but it is there.
+        // A zero vector has no direction, but is drawn.
         points::disc(
             shafts,
             eye,
@@ -38,7 +38,7 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
     let full = style::HEAD_LENGTH * half[1];
     let scale = (style::HEAD_SHARE * length / full).min(1.0);
     let base = tip - axis * (full * scale);
-    // A scaled shaft keeps a width that four samples a pixel can show.
+    // A scaled shaft keeps a width that four samples per pixel can resolve.
     let least = [origin, tip].map(|at| style::LEAST_HALF_WIDTH * eye.pixel(at));
     let shaft = [0, 1].map(|k| (half[k] * scale).max(least[k].min(half[k])));
     if let Some((ends, shaft)) = in_front(eye, [origin, base], shaft) {
@@ -64,7 +64,7 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
     );
 }
 
-/// The part of a shaft before the near plane.
+/// Returns the part of a shaft in front of the near plane.
 fn in_front(eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) -> Option<([Vec3; 2], [f32; 2])> {
     let beyond = ends.map(|at| eye.distance(at) - eye.near);
     match beyond.map(|b| b >= 0.0) {
@@ -105,7 +105,7 @@ fn cone(
             uv: Vec2::ZERO,
         })
     };
-    // The side's normal leans forward by the cone's slope.
+    // The normal of the side leans forward by the slope of the cone.
     let slope = |radial: Vec3| radial * length + axis * radius;
     let mut triangles = Vec::with_capacity(2 * style::HEAD_SEGMENTS as usize);
     let middle = vertex(base, -axis);

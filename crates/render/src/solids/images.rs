@@ -1,4 +1,4 @@
-//! The images of what rays meet: a request and its scene for rays flow in, colours at places flow out.
+//! The images of faces. In: a request and its scene for rays. Out: colours at points.
 
 use std::sync::Arc;
 
@@ -14,12 +14,12 @@ use crate::texture::{Level, Texture};
 pub(super) struct FaceImages {
     /// The images of whole objects, in the order of their numbers.
     objects: Vec<(ObjectId, Arc<Texture>)>,
-    /// Those that attributes name, by their positions in [`RayScene::images`].
+    /// The images that attributes name, by their positions in [`RayScene::images`].
     stated: Vec<Option<Arc<Texture>>>,
 }
 
 impl FaceImages {
-    /// The images of the objects that a picture shows.
+    /// Collects the images of the objects that a picture shows.
     pub(super) fn new(
         request: &PictureRequest,
         rays: &RayScene,
@@ -46,7 +46,7 @@ impl FaceImages {
         }
     }
 
-    /// The linear colour of the image of a face at a place from (0, 0), the top left, to (1, 1).
+    /// Returns the linear colour of the image of a face at a position from (0, 0), the top left, to (1, 1).
     pub(super) fn color(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
         let objects = &self.objects;
         let texture = match objects.binary_search_by_key(&image.object, |(id, _)| *id) {
@@ -57,8 +57,8 @@ impl FaceImages {
     }
 }
 
-/// The colour of an image at a place of it as its file states it, sRGB from 0 to 1. Pixels stand at whole numbers, and the
-/// image is bilinear between them and repeats: the backgrounds of scripts.
+/// Returns the colour of an image at a position in it as its file has it, sRGB from 0 to 1. Pixels are at integers; the
+/// image is bilinear between them and repeats: for the backgrounds of scripts.
 pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
     let Level { size, texels } = &texture.levels()[0];
     let at = [0, 1].map(|k| place[k] * f64::from(size[k]));
@@ -75,7 +75,7 @@ pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
     above.lerp(below, along)
 }
 
-/// The linear colour of an image at a place of it.
+/// Returns the linear colour of an image at a position in it.
 pub(super) fn texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
     let light = texture.sample(place.map(|x| x as f32), [0.0; 2], [0.0; 2]);
     DVec3::from_array(light.map(f64::from))

@@ -1,4 +1,4 @@
-//! Scenes for rays, kept from one picture to the next.
+//! A cache of scenes for rays, from one picture to the next.
 
 use std::sync::{Arc, OnceLock};
 
@@ -24,17 +24,17 @@ use super::tables::SceneTables;
 /// The solids of the last pictures.
 #[derive(Debug, Default)]
 pub(crate) struct SolidStore {
-    /// Those of the 3D view, with the contents that they are of.
+    /// The solids of the 3D view, with their contents.
     solids: Option<(ShownContents, Arc<SolidScene>)>,
     traced: Option<(TracedKey, Arc<TracedScene>)>,
     /// The number of scenes that were prepared for rays.
     pub(crate) built: u64,
 }
 
-/// The solids that a picture shows, each with what it is of, and the images.
+/// The solids that a picture shows, each with its content, and the images.
 type ShownContents = (Vec<(ObjectId, Content)>, ImagesKey);
 
-/// The images that objects have: those that were chosen, and those that the program names.
+/// The images of objects: those that were chosen, and those that the program names.
 type ImagesKey = (
     Vec<(ObjectId, Shared<Texture>)>,
     Vec<(String, Shared<Texture>)>,
@@ -53,19 +53,19 @@ pub(crate) struct SolidScene {
     objects: Vec<ObjectId>,
 }
 
-/// All that is shown of a scene, for the traced view.
+/// Everything that is shown of a scene in the traced view.
 #[derive(Debug)]
 pub(crate) struct TracedScene {
     rays: RayScene,
     images: FaceImages,
     /// The image of the declared background.
     background: Option<Arc<Texture>>,
-    /// Overhead and underfoot, sRGB from 0 to 1.
+    /// The colours of the sky overhead and underfoot, sRGB from 0 to 1.
     sky: DVec3,
     tables: OnceLock<Result<SceneTables, String>>,
 }
 
-/// All that a scene for the traced view depends on.
+/// Everything on which a scene for the traced view depends.
 #[derive(Clone, Debug, PartialEq)]
 struct TracedKey {
     scene: Shared<Scene>,
@@ -82,8 +82,8 @@ struct TracedKey {
 }
 
 impl SolidStore {
-    /// The solids that a request of the 3D view shows, all but the hidden ones; `None` if there are none. `contents` are
-    /// those of the scene's objects.
+    /// Returns the solids that a request of the 3D view shows, without the hidden ones; `None` if there are none. `contents`
+    /// are those of the scene's objects.
     pub(crate) fn get(
         &mut self,
         request: &PictureRequest,
@@ -112,8 +112,8 @@ impl SolidStore {
         Some(solids)
     }
 
-    /// All that a request of the traced view shows, all but the hidden ones, in these drawing units
-    /// and by these formulas.
+    /// Returns everything that a request of the traced view shows, without hidden objects, in these drawing units and with
+    /// these formulas.
     pub(crate) fn traced(
         &mut self,
         request: &PictureRequest,
@@ -171,41 +171,41 @@ impl SolidScene {
         self.rays.world()
     }
 
-    /// The look of a face.
+    /// Returns the look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
         let paint = |image: FaceImage, place: [f64; 2]| self.images.color(image, place);
         self.rays.look(face, &paint)
     }
 
-    /// The object of each solid of the world.
+    /// Returns the object of each solid of the world.
     pub(crate) fn objects(&self) -> &[ObjectId] {
         &self.objects
     }
 
-    /// The position of the leaf whose face it is among those of its solid.
+    /// Returns the position of the leaf of a face among those of its solid.
     pub(crate) fn leaf(&self, scene: &Scene, face: &Face) -> Option<usize> {
         leaf(&self.rays, scene, face)
     }
 
-    /// Sentences about all that is not as it is declared.
+    /// Returns sentences about everything that differs from its declaration.
     pub(crate) fn notes(&self, request: &PictureRequest) -> impl Iterator<Item = String> {
         notes(&self.rays, request)
     }
 }
 
-/// Sentences about all that is not as it is declared, or as a request has it.
+/// Returns sentences about everything that differs from its declaration, or from the request.
 pub(crate) fn notes(rays: &RayScene, request: &PictureRequest) -> impl Iterator<Item = String> {
     let unplaced = rays.unplaced(|id| request.chosen_texture(id).is_some());
     let mut missing: Vec<RayNote> = unplaced.collect();
     if !is_framed(rays, request) {
-        // One is enough: nothing is known of the others' instances either.
+        // A single note is enough: it applies to all of them.
         missing.extend(rays.endless().take(1));
     }
     let notes = rays.notes().into_iter().chain(missing);
     notes.map(|note| note.to_string())
 }
 
-/// True if something tells where the camera is to stand: a place that is stated, or an object that has one.
+/// Returns true if something determines the framing: a given position of the camera, or an object with a position.
 fn is_framed(rays: &RayScene, request: &PictureRequest) -> bool {
     let objects = &request.scene.objects;
     let mut space = request.view.space().into_iter();
@@ -249,13 +249,13 @@ impl TracedScene {
         &self.rays
     }
 
-    /// The scene as data for the pass of the GPU.
+    /// Returns the scene as data for the pass on the GPU.
     ///
     /// # Errors
-    /// A clause about what of the scene the pass cannot draw.
+    /// A clause about the part of the scene that the pass cannot draw.
     pub(crate) fn tables(&self) -> Result<&SceneTables, &str> {
         let tables = self.tables.get_or_init(|| {
-            // Neither looks nor the background depend on them.
+            // Looks and background do not depend on the camera.
             let camera = LensCamera::default();
             self.with_scenery(&camera, 0, |scenery| {
                 SceneTables::new(&self.rays, scenery, self.background.is_some())
@@ -264,7 +264,7 @@ impl TracedScene {
         tables.as_ref().map_err(String::as_str)
     }
 
-    /// Hands out what rays see by a camera.
+    /// Provides the scenery that rays of a camera see.
     pub(crate) fn with_scenery<R>(
         &self,
         camera: &LensCamera,
@@ -298,7 +298,7 @@ impl TracedScene {
         })
     }
 
-    /// The position of the leaf whose face it is among those of its solid.
+    /// Returns the position of the leaf of a face among those of its solid.
     pub(crate) fn leaf(&self, scene: &Scene, face: &Face) -> Option<usize> {
         leaf(&self.rays, scene, face)
     }
@@ -320,7 +320,7 @@ fn srgb(colour: [u8; 3]) -> DVec3 {
     DVec3::from_array(colour.map(f64::from)) / 255.0
 }
 
-/// The position of the leaf whose face it is among those of its solid.
+/// Returns the position of the leaf of a face among those of its solid.
 fn leaf(rays: &RayScene, scene: &Scene, face: &Face) -> Option<usize> {
     let owner = rays.owner(&face.of);
     let (_, span) = owner.leaf?;

@@ -1,5 +1,5 @@
-//! Traced scenes as data for the pass of the GPU: a scene flows in, numbers flow out and the text of the functions that its
-//! expressions need, or the reason for which the CPU follows its rays.
+//! Traced scenes as data for the pass on the GPU. In: a scene. Out: numbers, and the text of the functions for its
+//! expressions; or the reason why the CPU follows its rays.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -11,20 +11,20 @@ use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass, Scenery};
 use tracer::tables::{FieldRow, TableError, WorldTables};
 use wgsl::traced::{FunctionUse, MOST_ATTRIBUTES, TooManyOperations, TracedFunctions, UsedNumber};
 
-/// The parts of the height of a direction, from −1 to 1, of which the background's light is known.
+/// The number of intervals of the height of a direction, from −1 to 1, in the table of the background's light.
 const SKY_CELLS: u32 = 4096;
 
-/// A scene as data, apart from its lights and its camera.
+/// A scene as data, without its lights and its camera.
 #[derive(Debug)]
 pub(crate) struct SceneTables {
     pub(crate) world: WorldTables,
-    /// For each field that bounds pieces.
+    /// The fields that bound pieces.
     pub(crate) fields: Vec<TableField>,
-    /// The functions of its expressions, as text: what the pipeline depends on.
+    /// The functions of its expressions, as text, on which the pipeline depends.
     pub(crate) functions: String,
     /// The different looks of faces.
     pub(crate) looks: Vec<TableLook>,
-    /// For each leaf of the world its look, and the sides from which it is seen.
+    /// For each leaf of the world its look, and the sides from which it is visible.
     pub(crate) leaves: Vec<(u32, FaceSides)>,
     /// For each solid of the world the glass that it is of, and the look of the leaf that has it.
     pub(crate) glass: Vec<Option<(Glass, u32)>>,
@@ -37,7 +37,7 @@ pub(crate) struct SceneTables {
 pub(crate) struct TableField {
     /// The number of the function.
     pub(crate) function: u32,
-    /// The middle of its frame, and half of its sides.
+    /// The centre of its frame, and half its sides.
     pub(crate) frame: [DVec3; 2],
     /// The numbers that the function reads.
     pub(crate) numbers: Vec<f64>,
@@ -59,9 +59,9 @@ pub(crate) struct AttributeList {
     pub(crate) function: u32,
     /// The attributes, in the order of the function's numbers.
     pub(crate) attributes: Vec<VaryingAttribute>,
-    /// The coordinates, from places relative to the tables' origin.
+    /// The coordinates, from positions relative to the tables' origin.
     pub(crate) frame: DAffine3,
-    /// The parameters between which a part of a curve lies.
+    /// The parameters of the two ends of a part of a curve.
     pub(crate) along: Option<[f64; 2]>,
     /// True if colours may exceed 1.
     pub(crate) bright: bool,
@@ -70,7 +70,7 @@ pub(crate) struct AttributeList {
 }
 
 impl TableLook {
-    /// True if the share that it lets through depends on the place.
+    /// Returns true if its transmission depends on the point.
     pub(crate) fn varies_through(&self) -> bool {
         let lists = self.lists.iter();
         let mut all = lists.flat_map(|list| &list.attributes);
@@ -89,10 +89,10 @@ impl TableLook {
 }
 
 impl SceneTables {
-    /// The tables of a scene.
+    /// Returns the tables of a scene.
     ///
     /// # Errors
-    /// A clause about what of the scene the pass cannot draw.
+    /// A clause about the part of the scene that the pass cannot draw.
     pub(super) fn new(
         rays: &RayScene,
         scenery: &Scenery<'_>,
@@ -160,7 +160,7 @@ impl SceneTables {
     }
 }
 
-/// A face that a leaf owns, somewhere.
+/// Returns a face of a leaf, at an arbitrary point.
 fn anywhere(solid: usize, leaf: usize) -> Face {
     Face {
         t: 1.0,
@@ -193,7 +193,7 @@ struct FunctionTable {
 }
 
 impl FunctionTable {
-    /// The fields of a world; else the solid of the one that is too large, and a clause.
+    /// Returns the fields of a world; if one is too large, its solid and a clause.
     fn fields(
         &mut self,
         rows: &[FieldRow<'_>],
@@ -217,7 +217,7 @@ impl FunctionTable {
     }
 }
 
-/// The numbers that a function reads.
+/// Returns the numbers that a function reads.
 fn numbers(used: &FunctionUse, uniform: &dyn Fn(u32) -> f64) -> Vec<f64> {
     let number = |number: &UsedNumber| match *number {
         UsedNumber::Constant(value) => value,
@@ -264,7 +264,7 @@ impl LookTable {
         })
     }
 
-    /// The lists of a look that depends on the place.
+    /// Returns the lists of a look that depends on the point.
     fn lists(
         &mut self,
         look: &VaryingLook<'_>,
@@ -314,7 +314,7 @@ impl LookTable {
 }
 
 impl AttributeList {
-    /// Adds the bits by which lists differ.
+    /// Adds the bits that distinguish lists.
     fn add_bits(&self, bits: &mut Vec<u64>) {
         bits.push(u64::from(self.function));
         bits.push(self.attributes.len() as u64);
@@ -326,7 +326,7 @@ impl AttributeList {
     }
 }
 
-/// The bits of the numbers of a look.
+/// Returns the bits of the numbers of a look.
 fn bits(look: &FaceLook) -> Vec<u64> {
     let scattered = look.diffuse.unwrap_or(-1.0);
     let shares = [scattered, look.specular, look.shininess, look.glass];

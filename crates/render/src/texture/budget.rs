@@ -1,27 +1,27 @@
-//! The memory of all images of a program together.
+//! The memory limit for all images of a program together.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::MAX_TEXELS;
 
-/// The most texels that the images of a program have together.
+/// The maximum number of texels of all images of a program together.
 pub const MAX_TOTAL_TEXELS: u32 = 2 * MAX_TEXELS;
 
-/// The texels that images share. Each may take half of those that are left, and is reduced if it has more: two large images
-/// are shown well, and any number fits.
+/// The texels that images share. Each may use half of the remaining ones, and is reduced if it has more: two large images
+/// look good, and any number fits.
 #[derive(Clone, Debug, Default)]
 pub struct TexelBudget {
     taken: Arc<Mutex<u32>>,
 }
 
-/// The texels of one image, which are free again when it is dropped.
+/// The texels of one image, which are released when it is dropped.
 #[derive(Debug)]
 pub(super) struct Share {
     budget: TexelBudget,
     texels: u32,
 }
 
-/// The right to decode an image: one is decoded at a time, since that takes more memory than its texels do.
+/// The permission to decode an image: one is decoded at a time, since decoding needs more memory than the texels.
 #[derive(Debug)]
 pub(super) struct Turn<'b> {
     budget: &'b TexelBudget,
@@ -29,7 +29,7 @@ pub(super) struct Turn<'b> {
 }
 
 impl TexelBudget {
-    /// Waits until no other image is decoded.
+    /// Waits until no other image is being decoded.
     pub(super) fn turn(&self) -> Turn<'_> {
         Turn {
             budget: self,
@@ -43,12 +43,12 @@ impl TexelBudget {
 }
 
 impl Turn<'_> {
-    /// The most texels that the image may have.
+    /// Returns the maximum number of texels of the image.
     pub(super) fn most(&self) -> u32 {
         (MAX_TOTAL_TEXELS.saturating_sub(*self.taken) / 2).max(1)
     }
 
-    /// Takes the texels of the image, as many as [`Self::most`] or fewer.
+    /// Reserves the texels of the image, at most [`Self::most`].
     pub(super) fn take(mut self, texels: u32) -> Share {
         *self.taken += texels;
         Share {
@@ -80,7 +80,7 @@ mod tests {
             shares.push(turn.take(most.min(MAX_TEXELS)));
         }
         let taken = *budget.lock();
-        // The last have a texel each.
+        // The last images have a texel each.
         assert!(taken <= MAX_TOTAL_TEXELS + 100, "{taken}");
         drop((small, shares));
         assert_eq!(*budget.lock(), 0);

@@ -1,8 +1,8 @@
-//! The texture of a surface's Gaussian curvature: exact second derivatives in, colours over the domain out.
+//! The texture of a surface's Gaussian curvature. In: exact second derivatives. Out: colours over the domain.
 //!
-//! The curvature is evaluated in f64 at the middle of each texel, by (LN − M²)/(EG − F²) for a surface in space and by
-//! Gauss's equation for a metric (M. do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, sections 3-3 and
-//! 4-3). The colours are straight lines in a perceptual space, equally bright on both sides of zero.
+//! The curvature is evaluated in f64 at the centre of each texel, by (LN − M²)/(EG − F²) for a surface in space and by
+//! Gauss's equation for a metric (M. do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, sections 3-3 and 4-3).
+//! The colours are on straight lines in a perceptual space, equally bright on both sides of zero.
 
 use std::sync::Arc;
 
@@ -17,21 +17,23 @@ use crate::error::RenderError;
 use crate::style::encode;
 use geometry::{Manifold, ManifoldError};
 
-/// Texels along u and along v; a multiple of [`LANES`].
+/// The number of texels along u and along v; a multiple of [`LANES`].
 const SIDE: u32 = 512;
-/// The share of the surface's area that has a colour of its own in any case. The scale takes in all of it, unless the rest
-/// would take the colours of this.
+/// The fraction of the surface's area whose curvature the scale always distinguishes. The scale includes the whole surface,
+/// unless the rest would use up the colours of this part.
 const COVERED: f64 = 0.98;
-/// The scale reaches at most so many times as far as this share of the area needs.
+/// The maximum ratio of the scale to the curvature that covers this fraction of the area.
 const MOST_BEYOND: f64 = 2.0;
-/// Halvings of a step, from a texel on, in the search for the largest curvature, and the most steps of one size.
+/// The number of times a step, initially a texel, is halved in the search for the largest curvature, and the maximum number
+/// of steps of one size.
 const HALVINGS: u32 = 20;
 const STEPS: u32 = 8;
-/// The search keeps so far from the sides of the domain, as a share of its length: at a pole there is only rounding.
+/// The distance of the search from the sides of the domain, as a fraction of its length: at a pole the values are only
+/// rounding errors.
 const SIDES: f64 = 1e-6;
-/// Curvature is rounding where the surface, as large as it is, would turn by less than about the root of this.
+/// Curvature counts as a rounding error if a surface of this size would turn by less than about the root of this.
 const FLAT: f64 = 1e-9;
-/// The colour of what is undefined, sRGB: between white, which is flat, and everything else.
+/// The colour of undefined curvature, sRGB: distinct from white, which is flat, and from all others.
 const UNDEFINED: [u8; 3] = [128, 128, 128];
 
 /// The scale of the colours of a texture.
@@ -39,17 +41,17 @@ const UNDEFINED: [u8; 3] = [128, 128, 128];
 pub struct CurvatureScale {
     /// The curvature of the last colour on either side of zero, in 1/length²; positive.
     pub most: f64,
-    /// True if the surface is more curved than that somewhere, where it has the last colour too.
+    /// True if the curvature exceeds this somewhere; the last colour is shown there.
     pub is_clipped: bool,
 }
 
 impl Texture {
-    /// A surface or metric coloured by its Gaussian curvature: blue where it is negative, white at zero, red where it is
-    /// positive, grey where it is undefined. Of a surface that depends on grids, the first instance is taken. The scale
-    /// is symmetric about zero and takes in all of the surface, or almost all of its area where the rest is curved far
-    /// more: [`Texture::curvature_scale`].
+    /// Creates a texture of a surface or metric coloured by its Gaussian curvature: blue where it is negative, white at
+    /// zero, red where it is positive, grey where it is undefined. For a surface that depends on grids, it shows the first
+    /// instance. The scale is symmetric about zero and includes the whole surface, or almost all of its area if the rest is
+    /// curved far more: [`Texture::curvature_scale`].
     ///
-    /// It holds for these param values only.
+    /// It is valid for these param values only.
     ///
     /// # Errors
     /// [`RenderError::Manifold`].
@@ -72,7 +74,7 @@ impl Texture {
 }
 
 impl CurvatureScale {
-    /// The colour of a curvature, sRGB.
+    /// Returns the colour of a curvature, sRGB.
     pub fn colour(&self, curvature: f64) -> [u8; 3] {
         if !curvature.is_finite() {
             return UNDEFINED;
@@ -100,7 +102,7 @@ fn of_surface(surface: &dyn Surface) -> Texture {
     }
 }
 
-/// The curvature and the area of each texel, row by row.
+/// Returns the curvature and the area of each texel, row by row.
 fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
     let domain = surface.domain();
     let at = |k: usize, texel: usize| {
@@ -123,7 +125,7 @@ fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
     samples
 }
 
-/// The scale of a surface with these samples.
+/// Returns the scale of a surface with these samples.
 fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
     let mut known: Vec<(f64, f64)> = samples
         .iter()
@@ -149,7 +151,7 @@ fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
             is_clipped,
         };
     }
-    // Flat: what rounding leaves is white beside a curvature that would be seen.
+    // Flat: rounding errors are white beside a curvature that would be visible.
     let is_sized = least > 0.0 && least.is_finite();
     CurvatureScale {
         most: if is_sized { least / FLAT } else { 1.0 },
@@ -157,8 +159,8 @@ fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
     }
 }
 
-/// The largest absolute curvature of a surface: from the texel where it is largest on, by steps that are halved where
-/// none leads to more.
+/// Returns the largest absolute curvature of a surface: a search from the texel with the largest value, with steps that are
+/// halved when none leads to a larger one.
 fn largest(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
     let known = samples.iter().enumerate();
     let known = known.filter(|(_, (curvature, area))| curvature.is_finite() && area.is_finite());
@@ -195,7 +197,7 @@ fn largest(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
     most
 }
 
-/// The directions in which the search goes.
+/// The directions of the search.
 const AROUND: [[f64; 2]; 8] = [
     [1.0, 0.0],
     [1.0, 1.0],
@@ -207,13 +209,13 @@ const AROUND: [[f64; 2]; 8] = [
     [1.0, -1.0],
 ];
 
-/// Colours from blue (−1) over white (0) to red (1), sRGB: straight lines in Oklab (Björn Ottosson, "A perceptual color
-/// space for image processing", 2020), so that equal steps look equally large.
+/// Returns colours from blue (−1) over white (0) to red (1), sRGB: straight lines in Oklab (Björn Ottosson, "A perceptual
+/// color space for image processing", 2020), so that equal steps look equally large.
 fn diverging(t: f32) -> [u8; 3] {
     const WHITE: f32 = 0.97;
     const DARKEST: f32 = 0.47;
     const CHROMA: f32 = 0.17;
-    // Hues of the ends in radians.
+    // The hues of the ends in radians.
     let hue: f32 = if t < 0.0 { 4.55 } else { 0.50 };
     let share = t.abs();
     let lightness = WHITE + share * (DARKEST - WHITE);

@@ -1,11 +1,12 @@
-//! The images that a program names: words flow in, files flow out.
+//! The images that a program names. In: names. Out: files.
 
 use std::path::{Component, Path, PathBuf};
 
-/// The endings of the files that a word may stand for, the first first.
+/// The extensions of the files that a word may refer to, in order of preference.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// The file of an image that a program names, in the first folder that has one of [`named_files`]. Only regular files count.
+/// Returns the file of an image that a program names, in the first folder that has one of [`named_files`]. Only regular
+/// files count.
 pub fn named_file(name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
     let file = |folder: &PathBuf| {
         named_files(name, folder)
@@ -15,9 +16,9 @@ pub fn named_file(name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
     folders.iter().find_map(file)
 }
 
-/// The files in a folder that an image's name may stand for, the first first. The word `earth` is `earth.png`, `earth.jpg` or
-/// `earth.jpeg`; a path whose last part has an ending, as scripts write it, is itself: a `/` in front is dropped, and one with
-/// `..` leads nowhere.
+/// Returns the files in a folder that an image's name may refer to, in order of preference. The word `earth` refers to
+/// `earth.png`, `earth.jpg` or `earth.jpeg`; a path whose last part has an extension, as in scripts, refers to itself: a
+/// leading `/` is dropped, and a path with `..` refers to nothing.
 pub fn named_files(name: &str, folder: &Path) -> Vec<PathBuf> {
     let Some(path) = path_below(name) else {
         return Vec::new();
@@ -29,12 +30,12 @@ pub fn named_files(name: &str, folder: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// A sentence about an image that a program names and that none of these folders, that of the program and perhaps another
-/// one, has as a regular file.
+/// Returns a sentence about an image that a program names and that none of these folders, that of the program and perhaps
+/// another one, has as a regular file.
 pub fn missing_file(name: &str, folders: &[PathBuf]) -> String {
     let hidden = format!("the image `{name}` is not shown");
     let mut files = folders.iter().flat_map(|it| named_files(name, it));
-    // A directory, a pipe, a link that leads nowhere.
+    // A directory, a pipe, a dangling link.
     if let Some(other) = files.find(|it| it.symlink_metadata().is_ok()) {
         return format!("{hidden}: {} is not a regular file", other.display());
     }
@@ -54,7 +55,7 @@ pub fn missing_file(name: &str, folders: &[PathBuf]) -> String {
     }
 }
 
-/// The path below a folder that a name stands for; `None` if it leads out of it.
+/// Returns the path below a folder that a name refers to; `None` if it leads out of the folder.
 fn path_below(name: &str) -> Option<&Path> {
     let path = Path::new(name.trim_start_matches(['/', '\\']));
     let mut parts = path.components();

@@ -1,18 +1,18 @@
 //! The image that shows orientation: named cells, drawn in code.
 //!
-//! Left and right, up and down differ by the names, by the hue (it follows u and closes after one turn) and by the
-//! lightness (it follows v). Names are written for a reader who sees u grow to the right and v upwards: they read
-//! rightly in a geodesic view, and in space from the side that σu×σv points to; what has been turned over shows them
-//! mirrored. They are drawn from strokes with round ends, so they stay smooth when enlarged.
+//! The names, the hue (it follows u and closes after one turn) and the lightness (it follows v) distinguish left from right
+//! and up from down. Names are written for a reader who sees u increase to the right and v upwards: they read correctly in a
+//! geodesic view, and in space from the side that σu×σv points to; a flipped surface shows them mirrored. They are drawn
+//! from strokes with round ends, so that they stay smooth when enlarged.
 
 use image::RgbaImage;
 use rayon::prelude::*;
 
 use crate::style::encode;
 
-/// Cells along each side.
+/// The number of cells along each side.
 const CELLS: u32 = 8;
-/// Texels along a cell's side.
+/// The number of texels along a cell's side.
 const CELL: u32 = 128;
 /// Half the width of the lines between cells, in texels.
 const LINE: f32 = 1.6;
@@ -20,14 +20,14 @@ const LINE: f32 = 1.6;
 const EDGE: f32 = 3.4;
 /// The length of the ticks that mark a cell's halves, in texels.
 const TICK: f32 = 11.0;
-/// Texels per unit of a glyph's box, which is 4 wide and 6 high.
+/// The number of texels per unit of a glyph's box, which is 4 wide and 6 high.
 const SCALE: f32 = 8.0;
 /// Half the width of a stroke, in units of a glyph's box.
 const STROKE: f32 = 0.5;
-/// The distance from one letter's left to the next one's, in units of a glyph's box.
+/// The distance from the left of one letter to that of the next, in units of a glyph's box.
 const ADVANCE: f32 = 5.7;
 
-/// The image: `CELLS·CELL` texels a side. The names in the cells are turned over for a reader `from_behind`.
+/// Returns the image, `CELLS·CELL` texels a side. With `from_behind`, the names in the cells are flipped.
 pub(super) fn image(from_behind: bool) -> RgbaImage {
     let side = CELLS * CELL;
     let names: Vec<Vec<Segment>> = (0..CELLS * CELLS)
@@ -66,7 +66,7 @@ pub(super) fn image(from_behind: bool) -> RgbaImage {
 }
 
 fn hue(column: u32) -> f32 {
-    // Starts at a warm red and closes after one turn.
+    // The hue starts at a warm red and closes after one turn.
     25.0 + 360.0 * column as f32 / CELLS as f32
 }
 
@@ -79,7 +79,7 @@ fn ink_colour(column: u32) -> [f32; 3] {
     oklch(0.24, 0.05, hue(column))
 }
 
-/// The shares of a texel that are grid lines across one of the image's axes.
+/// The fractions of a texel covered by grid lines across one of the image's axes.
 struct LineShares {
     /// Lines between cells, and the image's own edges.
     line: f32,
@@ -90,7 +90,7 @@ struct LineShares {
 }
 
 impl LineShares {
-    /// The shares at a column, or a row.
+    /// Returns the fractions at a column, or a row.
     fn at(x: u32) -> Self {
         let side = (CELLS * CELL) as f32;
         let x = x as f32 + 0.5;
@@ -106,7 +106,7 @@ impl LineShares {
         }
     }
 
-    /// The share of a texel in a column and a row. Halves are marked by ticks at the border: a line across would run
+    /// Returns the fraction of a texel in a column and a row. Ticks at the border mark the halves: a line across would run
     /// through the name.
     fn with(&self, row: &Self) -> f32 {
         let ticks = (self.middle * row.border).max(row.middle * self.border);
@@ -114,14 +114,14 @@ impl LineShares {
     }
 }
 
-/// The share of a texel inside a shape whose border is at this signed distance.
+/// Returns the fraction of a texel inside a shape whose border is at this signed distance.
 fn coverage(distance: f32) -> f32 {
     (0.5 - distance).clamp(0.0, 1.0)
 }
 
 /// The name of a cell along a row of its texels.
 struct NameRow {
-    /// The strokes that may reach the row.
+    /// The strokes that may touch the row.
     strokes: Vec<Segment>,
     /// The row, in units of a glyph's box.
     y: f32,
@@ -131,7 +131,7 @@ impl NameRow {
     /// The width of a name, in units of a glyph's box.
     const WIDTH: f32 = ADVANCE + 4.0;
 
-    /// The strokes of a name near the row `y`, in texels.
+    /// Returns the strokes of a name near the row `y`, in texels.
     fn new(name: &[Segment], y: f32) -> Self {
         let y = (y - 0.5 * CELL as f32) / SCALE + 3.0;
         // Half a stroke's width, and a texel in which it fades.
@@ -143,7 +143,7 @@ impl NameRow {
         }
     }
 
-    /// Returns the share of ink at the place `x` of the row, in texels.
+    /// Returns the fraction of ink at the position `x` of the row, in texels.
     fn ink(&self, x: f32) -> f32 {
         let x = (x - 0.5 * CELL as f32) / SCALE + 0.5 * Self::WIDTH;
         if !(-1.0..=Self::WIDTH + 1.0).contains(&x) {
@@ -173,15 +173,15 @@ fn distance([x0, y0, x1, y1]: &Segment, x: f32, y: f32) -> f32 {
     (across * across + down * down).sqrt()
 }
 
-/// Part of a glyph, in a box 4 wide and 6 high, y downwards.
+/// A part of a glyph, in a box 4 wide and 6 high, y downwards.
 enum Stroke {
     /// A polyline.
     Line(&'static [[f32; 2]]),
-    /// Centre, radii, from and to which angle in degrees; 0 is right, 90 is down.
+    /// Centre, radii, and first and last angle in degrees; 0 is right, 90 is down.
     Arc([f32; 6]),
 }
 
-/// The segments of a cell's name, the column's letter and the row's figure.
+/// Returns the segments of a cell's name, the column's letter and the row's digit.
 fn name(column: u32, row: u32) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (place, glyph) in [LETTERS[column as usize], FIGURES[row as usize]]
@@ -279,7 +279,7 @@ fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
     std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
 }
 
-/// Oklch (Ottosson 2020; hue in degrees) to linear sRGB.
+/// Converts Oklch (Ottosson 2020; hue in degrees) to linear sRGB.
 fn oklch(lightness: f32, chroma: f32, hue: f32) -> [f32; 3] {
     let (sin, cos) = hue.to_radians().sin_cos();
     let (a, b) = (chroma * cos, chroma * sin);

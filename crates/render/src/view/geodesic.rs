@@ -1,4 +1,4 @@
-//! The geodesic view of a surface, a metric or a solid: the exponential map, which is what a being inside it sees.
+//! The geodesic view of a surface, a metric or a solid: the exponential map, as seen by an observer inside it.
 //!
 //! ```text
 //! GeodesicCamera ──cache.rs──▶ PlacedCamera, RayEnds ──resolve (CPU, or a pass on the GPU)──▶ picture ──overlay──▶ picture
@@ -31,7 +31,7 @@ use solid_colours::resolve_solid;
 /// The view's name.
 pub const NAME: &str = "geodesic";
 
-/// The share of a picture's work that following geodesics is taken to be.
+/// The assumed fraction of a picture's work for following geodesics.
 const FOLLOWING_SHARE: f32 = 0.9;
 
 /// The geodesic view.
@@ -50,7 +50,7 @@ pub struct GeodesicOptions {
 }
 
 impl GeodesicOptions {
-    /// A first picture of a surface or metric.
+    /// Creates the options of an initial picture of a surface or metric.
     pub fn new(surface: ObjectId) -> Self {
         GeodesicCamera::new(surface).into()
     }
@@ -100,7 +100,7 @@ impl ViewOptions for GeodesicOptions {
     }
 }
 
-/// The mark of the centre as a setting.
+/// The mark of the centre, as a setting.
 const MARK_CENTRE: Setting = Setting {
     name: "centre",
     title: "Ring at the centre",
@@ -128,7 +128,7 @@ impl View for GeodesicView {
         object.shape.has_inside()
     }
 
-    /// A scene may have many solids, and most are seen from outside.
+    /// A scene may have many solids, and most are viewed from outside.
     fn opens_by_itself(&self, object: &Object) -> bool {
         object.shape.manifold().is_some()
     }
@@ -179,7 +179,7 @@ const KEYS: &[Key] = &[
     Key::new("Double or Ctrl click", "show the declaration"),
 ];
 
-/// The state that is kept for geodesic views.
+/// The state of geodesic views between pictures.
 #[derive(Debug, Default)]
 struct GeodesicRenderer {
     maps: MapCache,
@@ -216,7 +216,7 @@ impl ViewRenderer for GeodesicRenderer {
         })
     }
 
-    /// The end of the pixel's geodesic; none where that does not reach the pixel's distance.
+    /// Returns the end of the pixel's geodesic; `None` if the geodesic does not reach the pixel's distance.
     fn pick(
         &mut self,
         shared: &mut SharedState,
@@ -282,7 +282,7 @@ impl GeodesicRenderer {
         })
     }
 
-    /// The end of the geodesic of a pixel of a solid's view.
+    /// Returns the end of the geodesic of a pixel of a solid's view.
     fn pick_solid(
         &mut self,
         shared: &mut SharedState,
@@ -338,8 +338,7 @@ fn by_software(
     }
 }
 
-/// Colours a table of polynomials by a pass on the GPU. The picture stays there unless something lies over it, or it is
-/// for a file.
+/// Colours a table of polynomials by a pass on the GPU. The picture stays there unless it has overlays, or is for a file.
 ///
 /// # Errors
 /// Those of the device.
@@ -394,13 +393,13 @@ fn by_gpu(
     })
 }
 
-/// The software path, with the reason for it where there is a GPU.
+/// Returns the software path as the backend, with the reason if there is a GPU.
 fn followed_by_software(shared: &SharedState, clause: &str) -> BackendUsed {
     let reason = shared.gpu().map(|_| format!("because {clause}"));
     BackendUsed::Software { reason }
 }
 
-/// The colour of a surface, in linear light.
+/// Returns the colour of a surface, in linear light.
 fn colour(request: &PictureRequest, surface: ObjectId) -> [f32; 3] {
     style::linear(request.srgb(surface))
 }

@@ -1,4 +1,4 @@
-//! The state that the views of one renderer share: the samples and the place of the scene, the GPU, the counts.
+//! The state that the views of one renderer share: the samples and the bounds of the scene, the GPU, the counters.
 
 use std::sync::Arc;
 
@@ -17,17 +17,17 @@ use crate::sample_store::SampleStore;
 use crate::solids::SolidStore;
 use crate::stated_colours::StatedColours;
 
-/// The question whether a picture that takes long is to be given up, which any thread may ask while it is drawn.
+/// A callback that decides whether a long picture is to be abandoned; any thread may call it during drawing.
 #[derive(Clone, Default)]
 pub struct Interrupt(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
 impl Interrupt {
-    /// A question with an answer.
+    /// Creates an interrupt with this answer.
     pub fn new(answer: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(answer)))
     }
 
-    /// Returns true if the picture is to be given up; never where nobody answers.
+    /// Returns true if the picture is to be abandoned; false without a callback.
     pub fn is_wanted(&self) -> bool {
         self.0.as_ref().is_some_and(|answer| answer())
     }
@@ -52,22 +52,21 @@ pub struct SharedState {
     /// The number of geodesic views whose geodesics were followed.
     pub(crate) followed: u64,
     pub(crate) pixels: Arc<PixelCounters>,
-    /// The GPU's part of the renderer; without it the software path draws.
+    /// The GPU part of the renderer; without it the software path draws.
     pub(crate) gpu: Option<Box<GpuRenderer>>,
-    /// True if a single picture is drawn, for a file: it is made in memory, in parts where it is large, and waits for
-    /// its kernels.
+    /// True if a single picture is drawn, for a file: in memory, in parts if it is large, and after its kernels are ready.
     pub(crate) is_single: bool,
-    /// True if a picture that is given up is returned with the samples that all its pixels have.
+    /// True if an abandoned picture is returned with the samples that all its pixels have.
     pub(crate) keeps_partial: bool,
 }
 
 impl SharedState {
-    /// The GPU that pictures are drawn on; `None` on the software path.
+    /// Returns the GPU that pictures are drawn on; `None` on the software path.
     pub fn gpu(&self) -> Option<&Arc<Gpu>> {
         self.gpu.as_ref().map(|renderer| &renderer.gpu)
     }
 
-    /// The backend of what is drawn on the GPU where there is one.
+    /// Returns the backend for pictures that are drawn on the GPU if there is one.
     pub(crate) fn backend(&self) -> BackendUsed {
         self.gpu().map_or(BackendUsed::SOFTWARE, |gpu| {
             BackendUsed::Gpu(gpu.name().to_owned())
@@ -77,7 +76,7 @@ impl SharedState {
     /// Copies a picture into memory. Waits for the GPU if it is there.
     ///
     /// # Errors
-    /// [`RenderError::Gpu`] if the device is lost, or the picture is another renderer's.
+    /// [`RenderError::Gpu`] if the device is lost, or the picture belongs to another renderer.
     pub fn read(&self, pixels: Pixels) -> Result<RgbaImage, RenderError> {
         match (pixels, self.gpu()) {
             (Pixels::Image(image), _) => Ok(image),
@@ -88,13 +87,13 @@ impl SharedState {
         }
     }
 
-    /// The bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
-    /// camera without a place of its own frames them.
+    /// Returns the bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
+    /// camera without a given position frames them.
     pub fn bounds(&self) -> Option<Arc<Bounds>> {
         self.framing.kept().cloned()
     }
 
-    /// Writes what has been made so far into counters.
+    /// Writes the counts of the work so far to counters.
     pub(crate) fn count(&self, counters: &mut WorkCounters) {
         let gpu = self.gpu.as_ref();
         counters.pipelines = gpu.map_or(0, |gpu| gpu.pipelines());
@@ -104,7 +103,7 @@ impl SharedState {
         self.pixels.write(counters);
     }
 
-    /// Returns the counts of all that has been built on the GPU so far.
+    /// Returns the counts of everything that has been built on the GPU so far.
     pub(crate) fn built(&self) -> Built {
         let gpu = self.gpu.as_ref();
         gpu.map_or_else(Built::default, |gpu| gpu.built())

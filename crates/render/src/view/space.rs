@@ -42,11 +42,11 @@ pub use crate::framing::first_camera;
 /// The view's name.
 pub const NAME: &str = "3d";
 
-/// Lines are seen a little before what they lie on, and picked beside where they are: a solid is picked in place of what
-/// lies behind it by more than this factor of its depth.
+/// Lines are drawn slightly in front of the surfaces they are on, and picked from a distance: a solid is picked instead of
+/// an object that is behind it by more than this factor of its depth.
 const NEARER: f32 = 1.02;
 
-/// The share of a software picture's work that its samples are taken to be.
+/// The assumed fraction of a software picture's work for its samples.
 const SAMPLING_SHARE: f32 = 0.4;
 
 /// The 3D view.
@@ -71,7 +71,8 @@ impl ViewOptions for SpaceOptions {
     }
 }
 
-/// The bounds of what a request of a view in space leaves room for; those of the whole scene for another request.
+/// Returns the bounds of the objects that the framing of a view in space includes; for another request, those of the whole
+/// scene.
 pub fn bounds(request: &PictureRequest) -> Bounds {
     let options = request.view.space();
     Bounds::of_some(&request.scene, &request.params, |id| {
@@ -172,22 +173,22 @@ pub(super) const KEYS: &[Key] = &[
     Key::new("Double or Ctrl click", "show the declaration"),
 ];
 
-/// The state that is kept for the 3D view.
+/// The state of the 3D view between pictures.
 #[derive(Debug, Default)]
 struct SpaceRenderer {
     camera: Option<CameraObjects>,
 }
 
-/// The objects that show a geodesic camera.
+/// The objects that display a geodesic camera.
 #[derive(Debug)]
 struct CameraObjects {
     key: ShownCamera,
-    /// Set if their lines have all their points.
+    /// True if their lines have all their points.
     is_whole: bool,
     objects: Arc<[OverlayObject]>,
 }
 
-/// The inputs of a geodesic camera's picture in space.
+/// The inputs of the display of a geodesic camera in space.
 #[derive(Clone, Debug, PartialEq)]
 struct ShownCamera {
     manifold: Option<Content>,
@@ -296,8 +297,8 @@ impl ViewRenderer for SpaceRenderer {
         self.draw_layers(shared, request, progress)
     }
 
-    /// A point, vector or curve that is seen within [`software::NEAR`] pixels counts, else the surface there. Metrics are
-    /// not seen in space, and what lies behind something else is not seen either.
+    /// A point, vector or curve within [`software::NEAR`] pixels takes precedence over the surface there. Metrics are not
+    /// visible in space, nor are hidden objects.
     fn pick(
         &mut self,
         shared: &mut SharedState,
@@ -340,13 +341,13 @@ impl ViewRenderer for SpaceRenderer {
     }
 }
 
-/// The parts that a picture is drawn from.
+/// The inputs from which a picture is drawn.
 struct Stage {
     structures: Arc<[Structure]>,
     framed: Framed,
     camera: Camera,
     axes: Option<AxesBox>,
-    /// The objects that are drawn beside those of the scene.
+    /// The objects that are drawn in addition to those of the scene.
     overlay: Arc<[OverlayObject]>,
 }
 
@@ -385,7 +386,7 @@ impl SpaceRenderer {
         })
     }
 
-    /// Returns the objects that are drawn beside those of the scene: the geodesic camera that is shown, and trails.
+    /// Returns the objects that are drawn in addition to those of the scene: a displayed geodesic camera, and trails.
     fn overlay(
         &mut self,
         request: &PictureRequest,
@@ -419,7 +420,7 @@ impl SpaceRenderer {
             size: request.size,
             placement: *placement,
         };
-        // With fewer points it will do while something moves.
+        // During motion, fewer points suffice.
         if let Some(known) = &self.camera
             && known.key == key
             && (known.is_whole || request.moving)
@@ -437,7 +438,7 @@ impl SpaceRenderer {
     }
 }
 
-/// Frames the scene of a request of a view in space in the bounds that are kept.
+/// Frames the scene of a request of a view in space in the current bounds.
 pub(super) fn framed(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -447,7 +448,7 @@ pub(super) fn framed(
     frame(shared, request, options, &structures)
 }
 
-/// The colours of solids as a request has them. A solid that states a colour keeps it, and is darker at most.
+/// Returns the colours of solids for a request. A solid with a specified colour keeps it, and is darkened at most.
 fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) -> Vec<Tint> {
     let colours = request.object_colours();
     let usual = style::linear(style::SOLID_COLOUR);
@@ -470,7 +471,7 @@ fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) 
     solids.objects().iter().map(tint).collect()
 }
 
-/// The solid at a place of the picture, unless what was picked there lies before it.
+/// Returns the solid at a position in the picture, unless the picked object is in front of it.
 fn picked_solid(
     shared: &SharedState,
     request: &PictureRequest,
@@ -497,7 +498,7 @@ fn picked_solid(
     })
 }
 
-/// Frames the scene of a request in the bounds that are kept.
+/// Frames the scene of a request in the current bounds.
 fn frame(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -508,8 +509,8 @@ fn frame(
     shared.framing.frame(request, structures, leaves_room)
 }
 
-/// The scene's objects with their samples, and what a reader of the picture should know of them. While something moves,
-/// `moving` is the camera, and surfaces have fewer triangles where it does not see the difference.
+/// Returns the scene's objects with their samples, and notes for the reader of the picture. During motion, `moving` is the
+/// camera, and surfaces have fewer triangles where the difference is not visible.
 fn drawables(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -525,7 +526,7 @@ fn drawables(
     let objects = (0..).map(ObjectId::new).zip(&scene.objects);
     for ((id, object), content) in objects.zip(framed.contents()) {
         if !options.shows(id) {
-            // It keeps its number.
+            // The object keeps its number.
             drawables.push(Drawable::nothing());
             continue;
         }
@@ -547,7 +548,7 @@ fn drawables(
     (drawables, notes)
 }
 
-/// The looks of the scene's objects, in their order.
+/// Returns the looks of the scene's objects, in their order.
 fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
     let colours = request.instance_colours().into_iter();
     let lines = style::line_styles(&request.scene, request.scale);
@@ -561,19 +562,19 @@ fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
         .collect()
 }
 
-/// The texture of a surface, as [`PictureRequest::texture_in_space`] has it.
+/// Returns the texture of a surface, as [`PictureRequest::texture_in_space`] does.
 fn texture(request: &PictureRequest, framed: &Framed, id: ObjectId) -> Arc<Texture> {
     let closed = framed.object(id).and_then(|cloud| cloud.closed);
     request.texture_of_closed(id, closed)
 }
 
-/// Returns true if there are words at places of a picture, beside those of its axes.
+/// Returns true if a picture has labels, other than those of its axes.
 pub(super) fn is_labelled(request: &PictureRequest, extras: &[OverlayObject]) -> bool {
     request.overlays.labels || extras.iter().any(|extra| extra.letter.is_some())
 }
 
-/// The letters of figures; with labels, the names of the objects that are drawn, where they are seen, and that of the observer.
-/// They are dim where a surface lies before them.
+/// Returns the letters of figures; with labels, also the names of the visible objects, and that of the observer. They are
+/// dim if a surface is in front of them.
 pub(super) fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -602,7 +603,7 @@ pub(super) fn labels(
         });
         let cloud = framed.object(id)?;
         let places = overlay::anchors(camera, &object.shape, cloud, samples.as_deref());
-        // The name of a surface is at its edge, where nothing of the surface itself lies before it.
+        // The name of a surface is at its edge, where the surface itself does not hide it.
         let is_face = object.shape.is_surface() || object.shape.solid().is_some();
         let except = is_face.then_some(id);
         let is_seen = |place: &&DrawingPoint| !occlusion.hides(**place, except);
@@ -619,11 +620,11 @@ pub(super) fn labels(
     all
 }
 
-/// Parameters from shares of the domain.
+/// Returns the parameters at fractions of the domain.
 pub(super) fn parameters(shape: &Shape, shares: [f64; 2]) -> [f64; 2] {
     let value = |sampling: &Sampling, share: f64| {
         let Range { min, max } = sampling.range;
-        // As [`Sampling::value`], where the interval may be wider than the largest number.
+        // As in [`Sampling::value`], for intervals that may be wider than the largest number.
         (min * (1.0 - share) + max * share).clamp(min, max)
     };
     let mut parameters = [0.0; 2];

@@ -4,11 +4,11 @@
 //! request ──geometry──▶ scenery, lens camera ──tracer, or gpu::trace: sums of light, kept──▶ means ──▶ picture
 //! ```
 //!
-//! A renderer with a GPU draws on it what fits its pass (`TracedScene::tables`), and leaves to f64 the samples that f32
-//! cannot decide.
+//! A renderer with a GPU uses it for scenes that fit its pass (`TracedScene::tables`), and leaves the samples that f32
+//! cannot decide to f64.
 //!
-//! A request says how many samples each pixel has. The sums of the last picture are kept: a request for more samples of the
-//! same picture adds those that are missing, so that a window refines a picture at rest.
+//! A request specifies the number of samples of each pixel. The sums of the last picture are kept: a request for more
+//! samples of the same picture adds only the missing ones, so that a window refines a picture at rest.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,15 +43,15 @@ use crate::style;
 /// The view's name.
 pub const NAME: &str = "traced";
 
-/// The samples of a pixel, unless a request says otherwise.
+/// The default number of samples of a pixel.
 pub const SAMPLES: u32 = 16;
-/// Likewise through a lens.
+/// The same through a lens.
 pub const LENS_SAMPLES: u32 = 64;
-/// The samples of a pixel that a picture may have.
+/// The maximum number of samples of a pixel.
 pub const MAX_SAMPLES: u32 = 1 << 16;
-/// The reflections and refractions that are followed, unless a request says otherwise.
+/// The default maximum number of reflections and refractions along a ray.
 pub const BOUNCES: u32 = 8;
-/// The reflections and refractions that may be followed.
+/// The upper limit of that maximum.
 pub const MAX_BOUNCES: u32 = 64;
 
 /// The traced view.
@@ -61,25 +61,26 @@ pub struct TracedView;
 /// The options of a traced picture beyond those of all pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedOptions {
-    /// The options that all views in space have. The picture has the lens of the declared camera; without one, the perspective
-    /// of the 3D view.
+    /// The options that all views in space have. The picture uses the lens of the declared camera; without one, the
+    /// perspective of the 3D view.
     pub space: SpaceOptions,
-    /// The samples of a pixel, 1 to [`MAX_SAMPLES`]; if not given, [`SAMPLES`], or [`LENS_SAMPLES`] through a lens.
+    /// The number of samples of a pixel, 1 to [`MAX_SAMPLES`]; if not given, [`SAMPLES`], or [`LENS_SAMPLES`] through a
+    /// lens.
     pub samples: Option<u32>,
-    /// The reflections and refractions that are followed, 0 to [`MAX_BOUNCES`]; if not given, those that the scene states,
-    /// or [`BOUNCES`].
+    /// The maximum number of reflections and refractions, 0 to [`MAX_BOUNCES`]; if not given, that of the scene, or
+    /// [`BOUNCES`].
     pub bounces: Option<u32>,
-    /// The formulas by which light becomes bytes; if not given, those of the CRT scene language where the scene states its
+    /// The formulas that convert light to bytes; if not given, those of the CRT scene language if the scene specifies its
     /// picture.
     pub look: Option<PictureLook>,
-    /// The gamma of the look `crt`, positive; if not given, the one that the scene states, or 1.
+    /// The gamma of the look `crt`, positive; if not given, that of the scene, or 1.
     pub gamma: Option<f64>,
-    /// The operations that the first sample of all pixels may take where rays are followed in f64; if not given, any number:
-    /// then the picture is to be stopped where it takes too long. See [`tracer::Caster::operations`].
+    /// The maximum operations for the first sample of all pixels if rays are followed in f64; if not given, there is no
+    /// limit, and a long picture must be interrupted. See [`tracer::Caster::operations`].
     pub max_operations: Option<u64>,
 }
 
-/// The settings of a picture, those of the scene included.
+/// The settings of a picture, including those of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TracedSettings {
     look: PictureLook,
@@ -102,8 +103,8 @@ impl TracedOptions {
         }
     }
 
-    /// The samples of a pixel, and the grid on which they lie. In the look `crt` a single sample is in the pixel's middle,
-    /// and those of a picture without a lens lie on a grid if their number is a square.
+    /// Returns the number of samples of a pixel, and the grid that they form, if any. In the look `crt` a single sample is
+    /// at the pixel's centre, and those of a picture without a lens form a grid if their number is a square.
     fn sampling(&self, scene: &Scene, look: PictureLook, has_lens: bool) -> (u32, Option<u32>) {
         let usual = if has_lens { LENS_SAMPLES } else { SAMPLES };
         let limited = |samples: u32| samples.clamp(1, MAX_SAMPLES);
@@ -188,7 +189,7 @@ impl View for TracedView {
         Some("CAMERA")
     }
 
-    /// The name behind the view's is that of a declared camera.
+    /// The name after the view's is that of a declared camera.
     fn options_of(&self, scene: &Scene, name: &str) -> Option<ViewPart> {
         let mut options = TracedOptions::default();
         options.space.declared = Some(name.to_owned());
@@ -229,13 +230,13 @@ fn declares_camera(scene: &Scene, name: &str) -> bool {
     scene.stage.iter().any(is_it)
 }
 
-/// The state that is kept for the traced view.
+/// The state of the traced view between pictures.
 #[derive(Debug, Default)]
 struct TracedRenderer {
     sums: Option<(TracedContent, LightSums)>,
 }
 
-/// All that the light of a traced picture depends on.
+/// Everything on which the light of a traced picture depends.
 #[derive(Debug)]
 struct TracedContent {
     scene: Arc<TracedScene>,
@@ -255,8 +256,8 @@ impl TracedContent {
 }
 
 impl TracedContent {
-    /// Adds the next samples by the GPU, and by f64 those that f32 cannot decide. Returns the number of the latter; `None`
-    /// if it has been given up.
+    /// Adds the next samples on the GPU, and in f64 those that f32 cannot decide. Returns the number of the latter; `None`
+    /// if the picture has been abandoned.
     fn add_by_gpu(
         &self,
         gpu: &mut GpuRenderer,
@@ -299,11 +300,11 @@ impl TracedContent {
     }
 }
 
-/// The work that a part of the picture lets expect may be too high by one in so many.
+/// The work expected from a part of the picture may be too high by one part in this number.
 const EXPECTED_ABOVE: u64 = 5;
 
-/// The samples that are added at once: all, or each by itself where what is done so far may be wanted; where the work is
-/// limited, the first one by itself.
+/// Returns the samples that are added at once: all, or one at a time if partial results may be needed; if the work is
+/// limited, first a single one.
 fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Item = Range<u32>> {
     let mut start = 0;
     std::iter::from_fn(move || {
@@ -317,7 +318,7 @@ fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Ite
     })
 }
 
-/// The threads that follow rays.
+/// Returns the number of threads that follow rays.
 fn threads() -> usize {
     rayon::current_num_threads()
 }
@@ -357,7 +358,7 @@ impl ViewRenderer for TracedRenderer {
         let goes_on = |step: &Range<u32>, share: f32| {
             let done = step.start as f32 + step.len() as f32 * share;
             progress(done / missing as f32);
-            // While something moves, each picture has something newer behind it.
+            // During motion, a newer picture follows anyway.
             request.moving || !interrupt.is_wanted()
         };
         let exceeded = AtomicBool::new(false);
@@ -487,7 +488,7 @@ impl ViewRenderer for TracedRenderer {
     }
 }
 
-/// The 3D view's camera for a picture, and what rays meet in it.
+/// Returns the 3D view's camera for a picture, and the scene that rays meet in it.
 fn prepared(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -501,7 +502,7 @@ fn prepared(
     Ok((camera, scene))
 }
 
-/// A clause about what of a picture the GPU cannot trace; `None` if it can.
+/// Returns a clause about the part of a picture that the GPU cannot trace; `None` if it can trace all of it.
 fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
     let mut shared = SharedState::default();
     let framed = space::framed(
@@ -513,7 +514,7 @@ fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
     Ok(scene.tables().err().map(str::to_owned))
 }
 
-/// The camera of a picture: where the 3D view's stands, with the lens of the declared one.
+/// Returns the camera of a picture: at the position of the 3D view's, with the lens of the declared one.
 fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCamera {
     let declared = space::declared_camera(scene.rays(), options.space.declared.as_deref());
     let viewpoint = &options.space.camera;
@@ -545,7 +546,7 @@ fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCam
     }
 }
 
-/// The object to which a face belongs.
+/// Returns the object to which a face belongs.
 fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit> {
     let owner = scene.rays().owner(&face.of);
     let parameters = match face.of {
@@ -562,7 +563,7 @@ fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit
     })
 }
 
-/// The mean light of all pixels as bytes.
+/// Returns the mean light of all pixels as bytes.
 fn picture(size: [u32; 2], sums: &LightSums, settings: &TracedSettings) -> RgbaImage {
     let mut image = RgbaImage::new(size[0], size[1]);
     for (pixel, light) in image.pixels_mut().zip(sums.means()) {

@@ -5,14 +5,14 @@ use crate::software::mesh::{Mesh, SUBPIXEL};
 
 /// A mesh's triangles by tile.
 pub(super) struct Bins {
-    /// The index of each tile's first triangle; one more entry than there are tiles.
+    /// The index of each tile's first triangle, and a final entry with their total number.
     starts: Vec<u32>,
     /// The triangles whose box touches the tile, in order.
     triangles: Vec<u32>,
 }
 
 impl Bins {
-    /// Bins for `across` by `down` tiles, of which the first begins at the picture's row `top`.
+    /// Creates bins for `across` by `down` tiles, the first of which begins at row `top` of the picture.
     pub(super) fn new(mesh: &Mesh, across: usize, down: usize, top: usize) -> Self {
         let side = TILE as i32 * SUBPIXEL;
         let top = top as i32 * SUBPIXEL;
@@ -50,7 +50,7 @@ impl Bins {
         Self { starts, triangles }
     }
 
-    /// The triangles of a tile.
+    /// Returns the triangles of a tile.
     pub(super) fn list(&self, tile: usize) -> &[u32] {
         &self.triangles[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }

@@ -1,16 +1,15 @@
-//! The samples that a triangle covers: exact edge functions (J. Pineda, "A parallel algorithm for polygon
-//! rasterization", 1988), walked over a tile eight pixels at a time.
+//! The samples that a triangle covers: exact edge functions (J. Pineda, "A parallel algorithm for polygon rasterization",
+//! 1988), evaluated over a tile eight pixels at a time.
 
 use std::ops::{Add, BitOr, Mul};
 
 use super::tile::{GROUP, LANES, Layer, TILE, Tile};
 use super::{Corner, SAMPLES, SUBPIXEL};
 
-/// The slopes of an edge, |a| + |b|, below which its values in a tile fit 32 bits wherever it crosses the tile.
+/// The slope of an edge, |a| + |b|, below which its values in a tile fit 32 bits wherever it crosses the tile.
 const NARROW: i64 = 1 << 16;
 
-/// Edge functions of a triangle, its corners in the order that gives it a positive area:
-/// `a·x + b·y + c ≥ 0` inside.
+/// The edge functions of a triangle, whose corners are ordered so that its area is positive: `a·x + b·y + c ≥ 0` inside.
 pub(in crate::software) struct Edges {
     a: [i64; 3],
     b: [i64; 3],
@@ -21,7 +20,7 @@ pub(in crate::software) struct Edges {
 }
 
 impl Edges {
-    /// Returns `None` for a triangle without an area.
+    /// Returns the edge functions; `None` for a triangle without an area.
     #[inline(always)]
     pub(in crate::software) fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
         let p = corners.map(|at| at.map(i64::from));
@@ -47,26 +46,26 @@ impl Edges {
         Some(edges)
     }
 
-    /// Barycentric coordinates of a place, which may lie beside the triangle.
+    /// Returns barycentric coordinates of a position, which may be outside the triangle.
     pub(in crate::software) fn weights(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         std::array::from_fn(|k| {
             (self.a[k] as f64 * x + self.b[k] as f64 * y + self.c[k] as f64) / self.area as f64
         })
     }
 
-    /// The changes of the weights of the second and third corner from pixel to pixel, to the right and down.
+    /// Returns the changes of the weights of the second and third corner from pixel to pixel, to the right and down.
     pub(in crate::software) fn gradients(&self) -> [[f32; 2]; 2] {
         let scale = f64::from(SUBPIXEL) / self.area as f64;
         [&self.a, &self.b].map(|slope| [1, 2].map(|k| (slope[k] as f64 * scale) as f32))
     }
 
-    /// Returns true if the corners had to be taken in the opposite order: they run counterclockwise as seen, since
-    /// pixels' y runs down.
+    /// Returns true if the order of the corners was reversed: they run counterclockwise as seen, since the y of pixels
+    /// points down.
     pub(in crate::software) fn turned(&self) -> bool {
         self.turned
     }
 
-    /// Returns true if it is nowhere narrower than a pixel but at its corners.
+    /// Returns true if it is nowhere narrower than a pixel except at its corners.
     pub(super) fn is_wide(&self) -> bool {
         let square = |k: usize| (self.a[k] as f64).powi(2) + (self.b[k] as f64).powi(2);
         let longest = square(0).max(square(1)).max(square(2));
@@ -78,7 +77,7 @@ impl Edges {
         self.a[k] * x + self.b[k] * y + self.c[k]
     }
 
-    /// 0, or −1 for an edge whose own samples belong to the neighbour (top-left rule).
+    /// Returns 0, or −1 for an edge whose samples belong to the neighbour (top-left rule).
     #[inline(always)]
     fn bias(&self, k: usize) -> i64 {
         let top_left = self.a[k] > 0 || (self.a[k] == 0 && self.b[k] > 0);
@@ -86,14 +85,14 @@ impl Edges {
     }
 }
 
-/// Twice a triangle's area; negative if its corners run counterclockwise as seen (y points down).
+/// Returns twice a triangle's area; negative if its corners run counterclockwise as seen (y points down).
 #[inline(always)]
 pub(super) fn area(corners: [[i32; 2]; 3]) -> i64 {
     let [p, q, r] = corners.map(|at| at.map(i64::from));
     (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 }
 
-/// Lets a triangle be seen by the samples that it covers in front of all before.
+/// Marks the samples that a triangle covers in front of all previous ones as seeing it.
 #[inline(always)]
 pub(in crate::software) fn cover(
     tile: &mut Tile,
@@ -123,7 +122,7 @@ pub(in crate::software) fn cover(
     let left = i64::from(origin[0]) + x0 as i64 * step;
     let upper = i64::from(origin[1]) + y0 as i64 * step;
     let (width, height) = ((x1 - x0) as i64 * step, (y1 - y0) as i64 * step);
-    // An edge that all of these pixels lie within need not be looked at.
+    // An edge with all of these pixels on its inner side need not be tested.
     let mut crossing = [Edge::default(); 3];
     let mut narrow = true;
     for (k, edge) in crossing.iter_mut().enumerate() {
@@ -169,7 +168,7 @@ pub(in crate::software) fn cover(
     }
 }
 
-/// An edge function from the top left of the pixels in question; zero where it need not be looked at.
+/// An edge function relative to the top left of the pixels in question; zero if it need not be tested.
 #[derive(Clone, Copy, Default)]
 struct Edge {
     a: i64,
@@ -177,7 +176,7 @@ struct Edge {
     start: i64,
 }
 
-/// Depths over the picture.
+/// Depth as an affine function over the picture.
 struct Plane {
     /// The value at the top left of the pixels in question.
     start: f64,
@@ -185,12 +184,12 @@ struct Plane {
     slope: [f64; 2],
     /// The change from the top left of a group of pixels to each of its samples.
     samples: [f32; GROUP],
-    /// Rounding leads nowhere beyond these.
+    /// The bounds of the depth, against rounding.
     low: f32,
     high: f32,
 }
 
-/// Edge functions as they are stepped through, in numbers that hold them.
+/// Edge functions during stepping, in integers that hold them.
 struct Run<I> {
     start: [I; 3],
     /// The change from one pixel to the next one down.
@@ -199,11 +198,11 @@ struct Run<I> {
     along: [I; 3],
     /// The change from the top left of a group to each of its samples.
     samples: [[I; GROUP]; 3],
-    /// The change from the top left of a group to the place where the edge function is greatest in it.
+    /// The change from the top left of a group to the point of the group where the edge function is largest.
     reach: [I; 3],
 }
 
-/// Whole numbers that edge functions are computed in.
+/// Integers in which edge functions are computed.
 trait Whole:
     Copy + Default + PartialOrd + Add<Output = Self> + Mul<Output = Self> + BitOr<Output = Self>
 {
@@ -224,7 +223,7 @@ impl Whole for i64 {
     }
 }
 
-/// The place of each sample of a group, in subpixels from the group's top left.
+/// The position of each sample of a group, in subpixels from the group's top left.
 const PLACES: [[i32; GROUP]; 2] = {
     let mut places = [[0; GROUP]; 2];
     let mut k = 0;
@@ -299,7 +298,7 @@ fn walk<I: Whole>(
     }
 }
 
-/// Tests one group of pixels. One plain loop over separate arrays: it becomes one over vectors.
+/// Tests one group of pixels. It is one plain loop over separate arrays, so that the compiler vectorises it.
 #[inline(always)]
 fn see<I: Whole>(
     depths: &mut [f32; GROUP],
@@ -333,7 +332,7 @@ mod tests {
     use crate::software::raster::tile::AREA;
     use glam::{Vec2, Vec3};
 
-    /// A small generator (Knuth's constants): the same places on every run.
+    /// A small generator (Knuth's constants): the same positions on every run.
     fn next(state: &mut u64) -> i32 {
         *state = state
             .wrapping_mul(6_364_136_223_846_793_005)

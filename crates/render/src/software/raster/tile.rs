@@ -1,4 +1,4 @@
-//! Samples: the depth and light of a tile's pixels, and which triangles they see.
+//! Samples: the depth and light of a tile's pixels, and the triangles that they see.
 
 use crate::solids::{SolidSample, SolidTile};
 use crate::style::{encode, encode_pixels};
@@ -7,27 +7,27 @@ use crate::style::{encode, encode_pixels};
 pub(in crate::software) const TILE: usize = 64;
 /// Pixels of a tile.
 pub(super) const AREA: usize = TILE * TILE;
-/// Pixels beside one another that are tested at once.
+/// The number of adjacent pixels that are tested at once.
 pub(super) const LANES: usize = 8;
-/// Their samples: what is known of them lies together, first that of all pixels' first samples.
+/// The number of their samples, whose data is contiguous: first that of all pixels' first samples.
 pub(super) const GROUP: usize = 4 * LANES;
-/// Sees no triangle of the current batch.
+/// Marks a sample that sees no triangle of the current batch.
 pub(super) const NONE: u32 = u32::MAX;
-/// All samples of the pixel see something, and have one light.
+/// Marks a pixel all of whose samples see something and have one light.
 const WHOLE: u16 = u16::MAX;
-/// The mark of a pixel whose samples see nothing.
+/// Marks a pixel whose samples see nothing.
 const EMPTY: u16 = WHOLE - 1;
 
 /// One tile's samples.
 pub(in crate::software) struct Tile {
-    /// The place of the top left pixel.
+    /// The position of the top left pixel.
     origin: [usize; 2],
-    /// The depths by groups; 0 where nothing but the background is seen.
+    /// The depths by groups; 0 where only the background is seen.
     pub(super) depth: Vec<f32>,
-    /// For each pixel its light, linear, or what its samples had in common before they were split; means nothing where
-    /// nothing has been seen.
+    /// The linear light of each pixel, or the common light of its samples before they were split; meaningless if nothing has
+    /// been seen.
     light: Vec<[f32; 3]>,
-    /// [`WHOLE`] or [`EMPTY`] for each pixel, or the index in `splits` of the light of its samples.
+    /// For each pixel [`WHOLE`] or [`EMPTY`], or the index in `splits` of the light of its samples.
     split: Vec<u16>,
     splits: Vec<[[f32; 3]; 4]>,
     /// The pixels that may see anything.
@@ -38,20 +38,20 @@ pub(in crate::software) struct Tile {
     empty: [u8; 4],
 }
 
-/// The triangles of a batch that a tile's samples see.
+/// The triangles of a batch that the samples of a tile see.
 pub(in crate::software) struct Layer {
     /// The numbers of the triangles, by groups.
     pub(super) ids: Vec<u32>,
-    /// The pixels that may see any.
+    /// The pixels that may see any triangle.
     pub(super) rows: Rows,
 }
 
-/// The first pixel that matters and the one after the last in each row of a tile, by whole groups.
+/// The first relevant pixel and the one after the last in each row of a tile, by whole groups.
 #[derive(Clone, Copy)]
 pub(super) struct Rows([[u8; 2]; TILE]);
 
 impl Tile {
-    /// A tile of background.
+    /// Creates a tile of background.
     pub(in crate::software) fn new(origin: [usize; 2], background: [f32; 4]) -> Self {
         Self {
             origin,
@@ -70,7 +70,7 @@ impl Tile {
         }
     }
 
-    /// The tile as if new, at another place.
+    /// Resets the tile, at another position.
     pub(super) fn reset(&mut self, origin: [usize; 2]) {
         self.origin = origin;
         for (y, row) in self.rows.each() {
@@ -82,7 +82,7 @@ impl Tile {
         self.rows = Rows::none();
     }
 
-    /// Begins a tile in which nothing is seen with what is seen of solids.
+    /// Begins an empty tile with the visible solids.
     pub(in crate::software) fn begin(&mut self, solids: &SolidTile) {
         for (index, pixel) in solids.pixels.iter().enumerate() {
             if pixel.depth > 0.0 {
@@ -94,7 +94,7 @@ impl Tile {
         }
     }
 
-    /// Samples of a pixel that see solids.
+    /// Sets the samples of a pixel that see solids.
     fn see(&mut self, index: usize, samples: [SolidSample; 4]) {
         let first = index / LANES * GROUP + index % LANES;
         let mut open = 0_u8;
@@ -117,7 +117,7 @@ impl Tile {
         self.rows.extend(index / TILE, [column, column + LANES]);
     }
 
-    /// The top left pixel's place in the picture.
+    /// Returns the position of the top left pixel in the picture.
     pub(super) fn origin(&self) -> [usize; 2] {
         self.origin
     }
@@ -129,13 +129,13 @@ impl Tile {
         inside.then(|| (y - top) * TILE + x - left)
     }
 
-    /// The depths of a pixel's samples; 0 where nothing is seen.
+    /// Returns the depths of a pixel's samples; 0 where nothing is seen.
     #[inline(always)]
     pub(in crate::software) fn depth(&self, index: usize) -> [f32; 4] {
         samples(&self.depth, index)
     }
 
-    /// Also these pixels may see something.
+    /// Adds pixels that may see something.
     pub(super) fn touch(&mut self, rows: &Rows) {
         for (y, row) in rows.each() {
             self.rows.extend(y, [row.start, row.end]);
@@ -151,7 +151,7 @@ impl Tile {
             return;
         }
         if self.split[index] >= EMPTY {
-            // There are no more splits than pixels, unless pixels become whole again in between.
+            // There are no more splits than pixels, unless pixels became whole again.
             if self.splits.len() >= AREA {
                 self.gather();
             }
@@ -168,7 +168,7 @@ impl Tile {
         }
     }
 
-    /// Removes splits that no pixel has any more.
+    /// Removes splits that no pixel uses any more.
     #[cold]
     fn gather(&mut self) {
         let mut kept = Vec::with_capacity(AREA);
@@ -180,7 +180,7 @@ impl Tile {
         self.splits = kept;
     }
 
-    /// The means of all pixels' samples, sRGB.
+    /// Returns the means of all pixels' samples, sRGB.
     #[inline(always)]
     pub(super) fn pixels(&self) -> Vec<[u8; 4]> {
         let mut pixels = vec![self.empty; AREA];
@@ -208,7 +208,7 @@ impl Tile {
         pixels
     }
 
-    /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
+    /// Returns the mean of a pixel's samples, sRGB; `x` and `y` are relative to the picture.
     pub(in crate::software) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let index = (y - self.origin[1]) * TILE + x - self.origin[0];
         if self.split[index] == EMPTY {
@@ -218,7 +218,7 @@ impl Tile {
         [encode(r), encode(g), encode(b), alpha]
     }
 
-    /// The mean of a pixel's samples in linear light, and its alpha; nothing of an empty one.
+    /// Returns the mean of a pixel's samples in linear light, and its alpha; nothing for an empty pixel.
     #[inline(always)]
     fn mean(&self, index: usize) -> ([f32; 3], u8) {
         match self.split[index] {
@@ -231,7 +231,7 @@ impl Tile {
         }
     }
 
-    /// The mean of samples, some of which see the background, and its alpha.
+    /// Returns the mean of samples, some of which see the background, and its alpha.
     fn mixed(&self, mut samples: [[f32; 3]; 4], seen: [bool; 4]) -> ([f32; 3], u8) {
         let [r, g, b, alpha] = self.background;
         for (sample, seen) in samples.iter_mut().zip(seen) {
@@ -258,7 +258,7 @@ impl Tile {
 }
 
 impl Layer {
-    /// Nothing is seen.
+    /// Creates a layer in which nothing is seen.
     pub(in crate::software) fn new() -> Self {
         Self {
             ids: vec![NONE; 4 * AREA],
@@ -275,7 +275,7 @@ impl Layer {
         self.rows = Rows::none();
     }
 
-    /// Returns the triangles that the samples see of the group that begins with a pixel.
+    /// Returns the triangles that the samples of the group that begins with this pixel see.
     #[inline(always)]
     pub(super) fn group(&self, index: usize) -> &[u32; GROUP] {
         const NOTHING: &[u32; GROUP] = &[NONE; GROUP];
@@ -311,7 +311,7 @@ impl Rows {
         *row = [row[0].min(first as u8), row[1].max(end as u8)];
     }
 
-    /// The rows in which any pixel matters.
+    /// Returns the rows in which any pixel is relevant.
     pub(super) fn each(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + use<> {
         let rows = self.0.into_iter().enumerate();
         rows.map(|(y, [first, end])| (y, usize::from(first)..usize::from(end)))
@@ -335,7 +335,7 @@ mod tests {
         let half = encode(0.5);
         assert_eq!(tile.pixel(6, 1), [half, half, half, 255]);
         assert!(tile.splits.len() <= AREA);
-        // A tile that is used again has forgotten everything.
+        // A reused tile keeps nothing.
         tile.touch(&{
             let mut rows = Rows::none();
             rows.extend(1, [0, 8]);

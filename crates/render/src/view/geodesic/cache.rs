@@ -1,4 +1,4 @@
-//! Exponential maps, kept: a surface by its content, and the ends of a camera's geodesics by the camera's pose.
+//! A cache of exponential maps: surfaces by content, and the ends of a camera's geodesics by the camera's pose.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use crate::view::SharedState;
 use geodesic::pixels::Map;
 use geometry::{FollowedGeodesic, Manifold, ManifoldError, SolidSurface, follow_declared_over};
 
-/// Surfaces that are kept though no camera is on them.
+/// The number of surfaces that are kept although no camera is on them.
 const SURFACES: usize = 4;
-/// Maps that are kept though other pictures have been drawn since: those of other panes.
+/// The number of maps that are kept although other pictures have been drawn since, for other panes.
 const MAPS: usize = 6;
-/// The most knots of geodesics on solids that are kept though the last picture has not drawn them.
+/// The maximum number of knots of geodesics on solids that are kept although the last picture has not drawn them.
 const KNOTS: usize = 1 << 18;
 
 /// A camera with the ends of its geodesics.
@@ -32,7 +32,7 @@ pub(super) struct CachedMap {
 #[derive(Clone, Debug, PartialEq)]
 struct MapKey {
     surface: Content,
-    /// But for the ring, which is no part of the map.
+    /// The options, except for the ring, which does not affect the map.
     options: GeodesicOptions,
     size: [u32; 2],
     /// A view at rest does not accept a coarse map, and a moving view does not wait for a fine one.
@@ -43,7 +43,7 @@ struct MapKey {
 #[derive(Debug)]
 pub(super) struct MapCache {
     surfaces: Cache<Content, Arc<Manifold>>,
-    /// The one that was used last is the last one.
+    /// The most recently used map is last.
     maps: Vec<(MapKey, Arc<CachedMap>)>,
 }
 
@@ -57,7 +57,8 @@ impl Default for MapCache {
 }
 
 impl MapCache {
-    /// The map of a request's camera, followed where it is not known. `progress` receives the share that is done.
+    /// Returns the map of a request's camera; its geodesics are followed if it is not cached. `progress` receives the
+    /// completed fraction.
     ///
     /// # Errors
     /// Those of [`PlacedCamera::new`].
@@ -94,7 +95,7 @@ impl MapCache {
         Ok(map)
     }
 
-    /// The camera of a request, on a surface that is kept.
+    /// Returns the camera of a request, on a cached surface.
     ///
     /// # Errors
     /// Those of [`PlacedCamera::new`].
@@ -129,7 +130,7 @@ impl MapCache {
     }
 }
 
-/// Returns the map of a key, which is the last one then.
+/// Returns the map of a key, and moves it to the end.
 fn used<K: PartialEq, T>(maps: &mut Vec<(K, Arc<T>)>, key: &K) -> Option<Arc<T>> {
     let at = maps.iter().position(|(known, _)| known == key)?;
     let known = maps.remove(at);
@@ -138,7 +139,7 @@ fn used<K: PartialEq, T>(maps: &mut Vec<(K, Arc<T>)>, key: &K) -> Option<Arc<T>>
     Some(map)
 }
 
-/// Adds a map, for which the one that has not been used for longest makes room.
+/// Adds a map; the least recently used one is evicted.
 fn keep<K, T>(maps: &mut Vec<(K, Arc<T>)>, key: K, map: Arc<T>) {
     if maps.len() >= MAPS {
         maps.remove(0);
@@ -152,7 +153,7 @@ type SolidMap = (PlacedSolidCamera, Map<3>);
 /// Maps of solids, and the solids that were compiled for them.
 #[derive(Debug)]
 pub(super) struct SolidMapCache {
-    /// The one that was used last is the last one.
+    /// The most recently used one is last.
     solids: Vec<(SolidKey, Arc<SolidSurface>)>,
     maps: Vec<(SolidMapKey, Arc<SolidMap>)>,
     geodesics: Cache<(Content, [u64; 3]), Arc<FollowedGeodesic>>,
@@ -175,7 +176,7 @@ type SolidKey = (Content, Vec<u64>);
 type SolidMapKey = (MapKey, Vec<u64>);
 
 impl SolidMapCache {
-    /// The map of a request's camera, followed where it is not known.
+    /// Returns the map of a request's camera; its geodesics are followed if it is not cached.
     ///
     /// # Errors
     /// Those of [`PlacedSolidCamera::new`] and [`PlacedSolidCamera::ends`].
@@ -208,7 +209,7 @@ impl SolidMapCache {
         Ok(map)
     }
 
-    /// The camera of a request, on a solid that is kept.
+    /// Returns the camera of a request, on a cached solid.
     ///
     /// # Errors
     /// Those of [`PlacedSolidCamera::new`].
@@ -242,7 +243,8 @@ impl SolidMapCache {
         })
     }
 
-    /// A geodesic that is declared on a solid, at the given values of its parameter; followed where it is not known.
+    /// Returns a geodesic that is declared on a solid, at the given values of its parameter; it is followed if it is not
+    /// cached.
     pub(super) fn followed(
         &mut self,
         request: &PictureRequest,
@@ -273,7 +275,7 @@ impl SolidMapCache {
     }
 }
 
-/// The content of a solid, and the values to which grids have been fixed: all that it depends on.
+/// Returns the content of a solid, and the values of fixed grids: everything on which it depends.
 fn key(
     shared: &mut SharedState,
     request: &PictureRequest,

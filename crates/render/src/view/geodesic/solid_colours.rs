@@ -1,6 +1,7 @@
-//! From the ends of geodesics on a solid to colours: its own at each place, or a checker where that is one colour.
+//! The conversion of the ends of geodesics on a solid to colours: its own at each point, or a checker if the solid has a
+//! single colour.
 //!
-//! A pixel shows the mean of a few places within it: no light, no gamma change.
+//! A pixel shows the mean of several points within it, without light or gamma change.
 
 use geodesic::pixels::Map;
 use geodesic::trace::Status;
@@ -15,9 +16,9 @@ use crate::request::PictureRequest;
 use crate::solids::SolidScene;
 use crate::style::{self, DARK_SQUARE};
 
-/// The squares of a checker along the longest side of the box.
+/// The number of squares of a checker along the longest side of the box.
 const SQUARES: f64 = 8.0;
-/// The places in a pixel that are looked at, as offsets from its middle in pixels to the right and down.
+/// The positions in a pixel that are evaluated, as offsets from its centre in pixels to the right and down.
 const SAMPLES: [[f32; 2]; 4] = [
     [-0.125, -0.375],
     [0.375, -0.125],
@@ -28,13 +29,13 @@ const SAMPLES: [[f32; 2]; 4] = [
 /// The boxes of space whose walls cut a surface into the squares of a checker.
 struct CheckerBoard {
     low: [f64; 3],
-    /// The side of a box, and how many there are along each axis; none along an endless one.
+    /// The sides of a box, and the number of boxes along each axis; infinite for an unbounded solid.
     side: [f64; 3],
     count: [f64; 3],
 }
 
 impl CheckerBoard {
-    /// About as many cubes as fit, so that the faces of the box never lie between two of them.
+    /// Creates a board of about as many cubes as fit, so that the faces of the box are never between two of them.
     fn new(bounds: Option<[[f64; 3]; 2]>) -> Self {
         let Some([low, high]) = bounds else {
             return Self {
@@ -138,7 +139,7 @@ pub(super) fn resolve_solid(
     image
 }
 
-/// The face that the camera stands on.
+/// Returns the face under the camera.
 fn face(scene: &SolidScene, camera: &PlacedSolidCamera) -> Option<Face> {
     let at = DVec3::from_array(camera.frame.at);
     let normal = camera.solid().surface().normal(camera.frame.at)?;
@@ -158,7 +159,7 @@ fn face(scene: &SolidScene, camera: &PlacedSolidCamera) -> Option<Face> {
     Some(Face::from(nearest))
 }
 
-/// Returns true if the colour of a solid differs from place to place.
+/// Returns true if the colour of a solid varies from point to point.
 fn varies(request: &PictureRequest, object: ObjectId) -> bool {
     let scene = &request.scene;
     let Some(solid) = scene.get(object).and_then(|object| object.shape.solid()) else {
