@@ -1,3 +1,3 @@
-// Generated: evaluates expressions at one row of inputs, and hands each result to `store_output`.
+// Generated: evaluates expressions at one row of inputs, and passes each result to `store_output`.
 fn evaluate(row: u32) {
 }

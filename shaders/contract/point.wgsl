@@ -1,4 +1,4 @@
-// Generated: a point's position in the given instance.
+// Generated: returns a point's position in the given instance.
 fn point_position(instance: u32) -> vec3f {
     return vec3f();
 }

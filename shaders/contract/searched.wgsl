@@ -1,4 +1,4 @@
-// Called by pass/trace_scene.wgsl, written in pass/trace_fields.wgsl where a scene has pieces that fields bound.
+// Called by pass/trace_scene.wgsl, defined in pass/trace_fields.wgsl if fields bound pieces of the scene.
 fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
     return false;
 }

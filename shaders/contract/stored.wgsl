@@ -1,3 +1,3 @@
-// Called by the generated `list_attributes`, written in pass/trace_varied.wgsl: takes number `index` of a list.
+// Called by the generated `list_attributes`, defined in pass/trace_varied.wgsl: stores number `index` of a list.
 fn store_attribute(index: u32, number: Range) {
 }

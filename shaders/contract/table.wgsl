@@ -1,8 +1,8 @@
-// Called by the generated `evaluate`, written in the pass that joins it: variable number `variable` of a row.
+// Called by the generated `evaluate`, defined in the pass that joins it: returns variable number `variable` of a row.
 fn input_value(row: u32, variable: u32) -> f32 {
     return 0.0;
 }
 
-// Takes the result of root number `root` at a row.
+// Stores the result of root number `root` at a row.
 fn store_output(row: u32, root: u32, value: f32) {
 }

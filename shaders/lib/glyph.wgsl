@@ -1,17 +1,17 @@
-// Glyphs: points, curves and arrows as strips and discs that face the eye, with a width in space that is kept
-// between bounds in pixels. Places are in view space.
+// Glyphs: points, curves and arrows as strips and discs that face the eye, with a width in space that stays within limits in
+// pixels. Positions are in view space.
 
 struct Glyph {
     // Half a line's width, or a point's radius, in drawing units.
     nominal: f32,
-    // Its bounds, in pixel units of the view, and the least in true pixels.
+    // Its limits, in pixel units of the view, and the minimum in true pixels.
     min_pixels: f32,
     max_pixels: f32,
     least: f32,
-    // Glyphs and joins come forward by this many of their half widths.
+    // Glyphs and joins are moved towards the eye by this multiple of their half widths.
     lift: f32,
     join_lift: f32,
-    // Arrowheads, in half widths of the shaft, and the largest share of an arrow.
+    // Arrowheads, in half widths of the shaft, and their maximum fraction of an arrow.
     head_length: f32,
     head_radius: f32,
     head_share: f32,
@@ -21,21 +21,21 @@ struct Glyph {
     total: u32,
     // The first sample of this draw.
     first: u32,
-    // The share of the view's emphasis.
+    // The fraction of the view's emphasis.
     emphasis: f32,
 }
 
 struct GlyphVertex {
     @builtin(position) position: vec4f,
-    // Where on the glyph: distance from the axis (or centre) is its length, 1 at the rim.
+    // The position on the glyph; its length is the distance from the axis (or centre), 1 at the rim.
     @location(0) across: vec2f,
-    // Linear light; that of the instance.
+    // The linear light of the instance.
     @location(1) @interpolate(flat) colour: vec3f,
 }
 
 const NO_VERTEX = GlyphVertex(vec4f(2.0, 2.0, 2.0, 1.0), vec2f(), vec3f());
 
-// Half a width at a place.
+// Returns half the width at a point.
 fn half_width(glyph: Glyph, at: vec3f, view: View) -> f32 {
     let pixel = pixel_at(at, view);
     let low = max(glyph.min_pixels * view.pixel_unit, glyph.least);
@@ -47,7 +47,7 @@ fn is_in_front(at: vec3f, view: View) -> bool {
     return distance_of(at, view) >= view.near;
 }
 
-// The place where a line from `at`, behind the near plane, to `towards` comes through it; `at` itself if it is in
+// Returns the intersection with the near plane of a line from `at`, behind the plane, to `towards`; `at` itself if it is in
 // front.
 fn cut_at_near(at: vec3f, towards: vec3f, view: View) -> vec3f {
     if is_in_front(at, view) || !is_in_front(towards, view) {
@@ -57,7 +57,7 @@ fn cut_at_near(at: vec3f, towards: vec3f, view: View) -> vec3f {
     return vec3f(mix(at.xy, towards.xy, t), -view.near);
 }
 
-// The unit vector across a piece as it is seen; 0 where the piece is seen as a point.
+// Returns the unit vector across a piece, as seen; 0 if the piece is seen as a point.
 fn across_piece(a: vec3f, b: vec3f, view: View) -> vec2f {
     let along = b.xy / max(distance_of(b, view), view.near) - a.xy / max(distance_of(a, view), view.near);
     let size = length(along);
@@ -67,7 +67,7 @@ fn across_piece(a: vec3f, b: vec3f, view: View) -> vec2f {
     return vec2f(-along.y, along.x) / size;
 }
 
-// A corner on the edge of a strip: `side` is 1 or -1.
+// Returns a corner on the edge of a strip: `side` is 1 or -1.
 fn edge_corner(
     at: vec3f, across: vec2f, side: f32, half_here: f32, lift: f32, colour: vec3f, view: View,
 ) -> GlyphVertex {
@@ -75,7 +75,7 @@ fn edge_corner(
     return GlyphVertex(tile_position(place, lift * half_here, view), vec2f(0.0, side), colour);
 }
 
-// Which end and which side of a strip its 6 corners are: true for the far end.
+// The end and the side of a strip for each of its 6 corners: true for the far end.
 fn corner_is_far(corner: u32) -> bool {
     return corner == 1u || corner == 2u || corner == 4u;
 }
@@ -84,7 +84,7 @@ fn corner_side(corner: u32) -> f32 {
     return select(1.0, -1.0, corner == 2u || corner == 4u || corner == 5u);
 }
 
-// One of the 3 · segments corners of a disc that faces the eye: a regular polygon of the disc's area.
+// Returns one of the 3 · segments corners of a disc that faces the eye: a regular polygon of the disc's area.
 fn disc_corner(
     corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32, colour: vec3f, view: View,
 ) -> GlyphVertex {
@@ -99,7 +99,7 @@ fn disc_corner(
     return GlyphVertex(tile_position(centre + vec3f(size * on_disc, 0.0), lift, view), on_disc, colour);
 }
 
-// The colour of a glyph at a place on it.
+// Returns the colour of a glyph at a position on it.
 fn glyph_colour(glyph: Glyph, colour: vec3f, across: vec2f, view: View) -> vec4f {
     let facing = sqrt(max(1.0 - dot(across, across), 0.0));
     return vec4f(emphasised(colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);

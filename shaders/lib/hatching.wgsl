@@ -1,4 +1,4 @@
-// What is not seen: stripes at 45°, darker along its border to what is, `reach` pixels wide.
+// The hatching of unseen pixels: stripes at 45°, darker along the border to seen pixels, which is `reach` pixels wide.
 fn hatched(x: i32, y: i32, paper: vec3f, stripe: vec3f, half_period: f32, reach: i32) -> vec3f {
     for (var dy = -reach; dy <= reach; dy++) {
         for (var dx = -reach; dx <= reach; dx++) {

@@ -1,11 +1,11 @@
 // Images on surfaces: filtering over a footprint.
 
-// How many times a footprint may be longer than wide before it is blurred across.
+// The maximum ratio of a footprint's length to its width before it is blurred across.
 const MAX_ANISOTROPY: f32 = 8.0;
 
-// The colour in linear light at `uv` (1 is the image's width or height; the sampler repeats), averaged over the
-// parallelogram that `across` and `along` (in the same units) span around it: up to eight trilinear probes along the
-// longer axis of its ellipse.
+// Returns the colour in linear light at `uv` (1 is the image's width or height; the sampler repeats), averaged over the
+// parallelogram that `across` and `along` (in the same units) span around it: up to eight trilinear probes along the longer
+// axis of its ellipse.
 fn filtered(image: texture_2d<f32>, image_sampler: sampler, uv: vec2f, across: vec2f, along: vec2f) -> vec3f {
     let size = vec2f(textureDimensions(image, 0));
     let a = across * size;
@@ -22,9 +22,9 @@ fn filtered(image: texture_2d<f32>, image_sampler: sampler, uv: vec2f, across: v
         return textureSampleLevel(image, image_sampler, uv, f32(textureNumLevels(image))).rgb;
     }
     let minor = max(max(sqrt(max(mean - spread, 0.0)), major / MAX_ANISOTROPY), 1.0);
-    // A footprint that is not much longer than wide has one probe; probes overlap.
+    // A nearly round footprint has one probe; probes overlap.
     let probes = max(floor(major / minor + 0.5), 1.0);
-    // Levels blend into one another over the middle half of the way between them: outside of it one is enough.
+    // Neighbouring levels blend only over the middle half of the interval between them: outside it one of them suffices.
     let exact = log2(max(minor, 0.8 * major / probes));
     let level = floor(exact) + clamp(2.0 * fract(exact) - 0.5, 0.0, 1.0);
     if probes == 1.0 {

@@ -1,6 +1,6 @@
 // Partial derivatives of a surface.
 
-// First order, with the position.
+// The first derivatives, with the position.
 struct Tangents {
     position: vec3f,
     du: vec3f,

@@ -1,6 +1,6 @@
-// Rays from a lens, and the places of samples: the same as in crates/tracer/src/camera.rs.
+// Rays from a lens, and the positions of samples: as in crates/tracer/src/camera.rs.
 
-// Samples have axes of their own for the lens and for lights that have a size.
+// Samples have separate axes for the lens and for lights with a size.
 const AXIS_LENS: u32 = 1u;
 const AXIS_LIGHTS: u32 = 2u;
 
@@ -19,10 +19,10 @@ const STAR_INNER: f32 = 0.382;
 
 struct Lens {
     right: vec3f,
-    // Its radius.
+    // The radius of the lens.
     aperture: f32,
     up: vec3f,
-    // The distance of what is sharp.
+    // The distance at which the picture is sharp.
     focus: f32,
     forward: vec3f,
     // Half the vertical opening, and its tangent.
@@ -31,13 +31,13 @@ struct Lens {
     tangent: f32,
     size: vec2u,
     projection: u32,
-    // 1 where what is sharp lies on a ball.
+    // 1 if the sharp points form a ball.
     ball: u32,
     bokeh: u32,
     corners: u32,
     // The bits of AXIS_LENS and AXIS_LIGHTS.
     axes: u32,
-    // Samples lie on a grid of so many columns and rows; on none for 0.
+    // The number of columns and rows of the grid of samples; 0 for no grid.
     grid: u32,
 }
 
@@ -64,7 +64,7 @@ fn pixel_hash(pixel: vec2u, axis: u32) -> u32 {
     return mixed;
 }
 
-// The steps of 2, 4 or 6 axes.
+// Returns the step of one of 2, 4 or 6 axes.
 fn axis_step(axes: u32, axis: u32) -> u32 {
     var two = array<u32, 2>(3242174889u, 2447445413u);
     var four = array<u32, 4>(3679390609u, 3152041523u, 2700274806u, 2313257605u);
@@ -85,7 +85,7 @@ fn axis_place(axes: u32, pixel: vec2u, sample: u32, axis: u32) -> f32 {
     if axis >= 2u {
         start = pixel_hash(pixel, axis);
     }
-    // Below 1 also where it is rounded.
+    // Stay below 1 despite rounding.
     return min(f32(axis_step(axes, axis) * sample + start) / 4294967296.0, 0.99999994);
 }
 
@@ -125,7 +125,7 @@ fn fan_corner(bokeh: u32, corners: u32, k: u32) -> vec2f {
     return bokeh_corner(f32(k) * TURN / f32(corners), 1.0);
 }
 
-// The place in the lens' shape, to the right and up.
+// Returns the position in the lens' shape, to the right and up.
 fn bokeh_place(bokeh: u32, corners: u32, at: vec2f) -> vec2f {
     switch bokeh {
         case BOKEH_CIRCLE: {
@@ -153,7 +153,7 @@ fn bokeh_place(bokeh: u32, corners: u32, at: vec2f) -> vec2f {
 
 fn lens_ray(lens: Lens, pixel: vec2u, place: SamplePlace) -> LensRay {
     let size = vec2f(lens.size);
-    // Twice the way from the middle, from whole numbers first: they are exact.
+    // Twice the offset from the centre, computed from integers first: they are exact.
     let middle = vec2f(2.0 * vec2f(pixel) - size);
     let at = (middle + 2.0 * place.pixel) / size.y;
     var across = lens.tangent * at.x;

@@ -1,12 +1,12 @@
-// The places where polynomials change their sign along a line: crates/tracer/src/line.rs, surface.rs and roots.rs in f32.
+// The sign changes of polynomials along a line: crates/tracer/src/line.rs, surface.rs and roots.rs in f32.
 
-// A line in the frame of a leaf, from the place that is nearest to the frame's middle.
+// A line in the frame of a leaf, from its point nearest to the frame's centre.
 struct FrameLine {
     point: vec3f,
     direction: vec3f,
-    // The t of that place.
+    // The t of that point.
     middle: f32,
-    // The length in the frame of one t.
+    // The length in the frame of one unit of t.
     speed: f32,
 }
 
@@ -17,14 +17,14 @@ struct Coefficients {
 }
 
 struct SignChanges {
-    // Ascending, in the order of t.
+    // In ascending order, in the order of t.
     places: array<f32, 4>,
     count: u32,
     // True if the polynomial is not positive before the first of them.
     inside_first: bool,
 }
 
-// Polynomials of more than the second degree are looked at in this range about the middle of their frame.
+// Polynomials of degree three or higher are evaluated within this distance of the centre of their frame.
 const FRAME_REACH: f32 = 2.0;
 const NEWTON_STEPS: u32 = 40u;
 
@@ -44,7 +44,7 @@ fn push_place(changes: ptr<function, SignChanges>, place: f32) {
     }
 }
 
-// The changes of c + b·s + a·s².
+// Returns the changes of c + b·s + a·s².
 fn quadratic_changes(c: f32, b: f32, a: f32) -> SignChanges {
     var changes: SignChanges;
     changes.count = 0u;
@@ -74,7 +74,7 @@ fn quadratic_changes(c: f32, b: f32, a: f32) -> SignChanges {
     return changes;
 }
 
-// The polynomial divided by s − root, the remainder dropped; from whichever end is stable.
+// Returns the polynomial divided by s − root without the remainder; the division starts at the end that is stable.
 fn deflated(p: Coefficients, root: f32) -> Coefficients {
     var quotient: Coefficients;
     quotient.degree = max(p.degree, 1u) - 1u;
@@ -113,7 +113,7 @@ fn value_at(p: Coefficients, s: f32) -> f32 {
     return sum;
 }
 
-// The root between two places where the signs differ: Newton's method within the bracket.
+// Returns the root between two points with different signs: Newton's method within the bracket.
 fn root_between(p: Coefficients, low: f32, to: f32, inside_from: bool) -> f32 {
     var a = low;
     var b = to;
@@ -143,7 +143,7 @@ fn root_between(p: Coefficients, low: f32, to: f32, inside_from: bool) -> f32 {
     return s;
 }
 
-// The changes within the frame's reach of a polynomial, from the changes of its derivative there.
+// Returns the changes of a polynomial within the frame's reach, from the changes of its derivative there.
 fn changes_from(p: Coefficients, critical: SignChanges) -> SignChanges {
     var changes: SignChanges;
     changes.count = 0u;
@@ -168,8 +168,8 @@ fn changes_from(p: Coefficients, critical: SignChanges) -> SignChanges {
     return changes;
 }
 
-// The changes of a quadratic polynomial anywhere, of a higher one within the frame's reach: each lies between two of its
-// derivative's.
+// Returns the changes of a quadratic polynomial anywhere, of a higher one within the frame's reach: each is between two of
+// its derivative's.
 fn sign_changes(p: Coefficients) -> SignChanges {
     let above = max(p.degree, 2u) - 2u;
     let low = derivative_of(p, above);
@@ -180,7 +180,7 @@ fn sign_changes(p: Coefficients) -> SignChanges {
     return changes;
 }
 
-// True if the polynomial is not positive right after the place.
+// Returns true if the polynomial is not positive immediately after `place`.
 fn inside_after(changes: SignChanges, place: f32) -> bool {
     var inside = changes.inside_first;
     for (var k = 0u; k < changes.count; k++) {

@@ -1,13 +1,13 @@
-// Numbers that are none. WGSL lets a compiler assume that no NaN and no infinity ever occurs, so they are made
-// from bits at run time and recognised by their bits, never by a comparison.
+// NaN and infinities. WGSL lets a compiler assume that they never occur, so they are made from bits at run time and
+// recognised by their bits, never by a comparison.
 
-// A quiet NaN. The bits go through a variable: as a constant expression it would be refused.
+// Returns a quiet NaN. The bits pass through a variable: as a constant expression they would be refused.
 fn undefined() -> f32 {
     var bits = 0x7fc00000u;
     return bitcast<f32>(bits);
 }
 
-// Infinity with the sign of its argument: what an f64 constant beyond the range of f32 stands for.
+// Returns infinity with the sign of its argument: the value of an f64 constant beyond the range of f32.
 fn infinite(sign_of: f32) -> f32 {
     var bits = 0x7f800000u;
     if sign_of < 0.0 {
@@ -16,12 +16,12 @@ fn infinite(sign_of: f32) -> f32 {
     return bitcast<f32>(bits);
 }
 
-// True for numbers, false for NaN and the infinities: their exponent bits are all set.
+// Returns true for numbers, false for NaN and the infinities: their exponent bits are all set.
 fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
-// True for NaN alone.
+// Returns true for NaN only.
 fn is_undefined(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
 }

@@ -1,11 +1,11 @@
-// Reflection, refraction and lights: the same as in crates/tracer/src/optics.rs and light.rs.
+// Reflection, refraction and lights: as in crates/tracer/src/optics.rs and light.rs.
 
 const LIGHT_POINT: u32 = 0u;
 const LIGHT_PARALLEL: u32 = 1u;
 const LIGHT_SPOT: u32 = 2u;
 const LIGHT_BEAM: u32 = 3u;
 
-// A distance that stands for an endless one.
+// The value of an infinite distance.
 const ENDLESS: f32 = 3.0e38;
 
 struct Light {
@@ -13,12 +13,12 @@ struct Light {
     kind: u32,
     // The unit direction in which it shines.
     direction: vec3f,
-    // The radius of the ball that shines.
+    // The radius of the emitting ball.
     size: f32,
     color: vec3f,
     ambient: f32,
     highlight: vec3f,
-    // The distance of full strength; none for a negative number.
+    // The distance of full strength; a negative number stands for none.
     falloff: f32,
     // Half the opening, or the radius of a beam.
     edge: f32,
@@ -33,7 +33,7 @@ struct SeenLight {
     share: f32,
 }
 
-// 1 − smoothstep from (1 − soft)·edge to the edge.
+// Returns 1 − smoothstep from (1 − soft)·edge to the edge.
 fn share_within(x: f32, edge: f32, soft: f32) -> f32 {
     let inner = (1.0 - soft) * edge;
     if x >= edge {
@@ -46,7 +46,7 @@ fn share_within(x: f32, edge: f32, soft: f32) -> f32 {
     return 1.0 - s * s * (3.0 - 2.0 * s);
 }
 
-// The way to a place of the disc that a shining ball shows.
+// Returns the vector to a point of the disc that an emitting ball shows.
 fn shining(size: f32, offset: vec3f, place: vec2f) -> vec3f {
     let distance = length(offset);
     if size <= 0.0 || distance == 0.0 {
@@ -62,7 +62,7 @@ fn shining(size: f32, offset: vec3f, place: vec2f) -> vec3f {
     return offset + size * sqrt(place.x) * (cos(turn) * across + sin(turn) * along);
 }
 
-// The light as a place sees it, whose way to the eye is `path` long.
+// Returns the light as seen from a point; the path from there to the eye has the length `path`.
 fn seen_light(light: Light, place: vec3f, sample: vec2f, path: f32) -> SeenLight {
     var seen = SeenLight(-light.direction, ENDLESS, 1.0);
     if light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT {
@@ -70,7 +70,7 @@ fn seen_light(light: Light, place: vec3f, sample: vec2f, path: f32) -> SeenLight
         seen.distance = length(offset);
         seen.towards = offset / max(seen.distance, 1e-30);
         if light.kind == LIGHT_SPOT {
-            // The angle from a difference: a cosine says little of small ones.
+            // The angle from a difference: for small angles the cosine loses precision.
             let apart = length(seen.towards + light.direction);
             let angle = 2.0 * asin(clamp(0.5 * apart, 0.0, 1.0));
             seen.share = share_within(angle, light.edge, light.soft);
@@ -92,7 +92,7 @@ fn seen_light(light: Light, place: vec3f, sample: vec2f, path: f32) -> SeenLight
     return seen;
 }
 
-// A power of a number that is not negative.
+// Returns a power of a non-negative number.
 fn share_power(x: f32, exponent: f32) -> f32 {
     if x <= 0.0 {
         return select(0.0, 1.0, exponent == 0.0);
@@ -100,7 +100,7 @@ fn share_power(x: f32, exponent: f32) -> f32 {
     return pow(x, exponent);
 }
 
-// The share of unpolarised light that is reflected.
+// Returns the fraction of unpolarised light that is reflected.
 fn fresnel(cosine: f32, n1: f32, n2: f32) -> f32 {
     if n1 == n2 {
         return 0.0;

@@ -1,27 +1,27 @@
-// From what a pixel sees to its bytes.
+// The conversion of what a pixel sees to its bytes.
 
 struct Resolve {
     // The surface's colour in linear light; multiplies the image.
     colour: vec4f,
-    // The ends' offsets to widths of the image: uv = place + offset * per_width.
+    // The map of the ends' offsets to widths of the image: uv = place + offset * per_width.
     place: vec2f,
     per_width: vec2f,
-    // 1 along an axis in which the image repeats, else 0.
+    // 1 along an axis in which the image repeats, otherwise 0.
     repeats: vec2f,
     // The whole picture in pixels.
     size: vec2u,
-    // The first row to colour, and how many.
+    // The first row to colour, and the number of rows.
     rows: vec2u,
     padding: vec2u,
-    // Half the hatching's period in pixels; pixels of the dark border.
+    // Half the hatching's period, and the width of its dark border, in pixels.
     hatch: f32,
     reach: i32,
     // The ring at the centre: radius (0: none) and half its width, in pixels.
     ring: f32,
     ring_half: f32,
-    // Pixels from one row of the output to the next; the rest is padding.
+    // The number of pixels from one row of the output to the next, padding included.
     stride: vec4u,
-    // Paper and stripe of the hatching for each status, linear light.
+    // The background and stripe colours of the hatching for each status, in linear light.
     hatching: array<vec4f, 12>,
 }
 
@@ -35,7 +35,7 @@ fn stripes(x: i32, y: i32, half_period: f32, paper: vec3f, stripe: vec3f) -> vec
     return mix(paper, stripe, share);
 }
 
-// An open ring around the centre, white with a dark rim; `radius` 0 stands for none.
+// An open ring around the centre, white with a dark rim; none if `radius` is 0.
 fn marked_centre(colour: vec3f, x: i32, y: i32, size: vec2u, radius: f32, half_width: f32) -> vec3f {
     if radius == 0.0 {
         return colour;
@@ -48,7 +48,7 @@ fn marked_centre(colour: vec3f, x: i32, y: i32, size: vec2u, radius: f32, half_w
     return darkened + white * (vec3f(1.0) - darkened);
 }
 
-// Linear light to sRGB (IEC 61966-2-1), rounded to bytes.
+// Converts linear light to sRGB (IEC 61966-2-1), rounded to bytes.
 fn encoded(light: vec3f) -> u32 {
     let c = clamp(light, vec3f(0.0), vec3f(1.0));
     let curved = 1.055 * pow(max(c, vec3f(1e-6)), vec3f(1.0 / 2.4)) - 0.055;

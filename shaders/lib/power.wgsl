@@ -1,6 +1,6 @@
-// Powers, products and comparisons with the meaning that expressions give them, in f32.
+// Powers, products and comparisons in f32, with the semantics of expressions.
 
-// x^n for an integer n by repeated squaring, the same multiplications as in every other evaluator; 0^0 is 1, a
+// Returns x^n for an integer n by repeated squaring, with the same multiplications as in every other evaluator; 0^0 is 1, a
 // negative exponent is the reciprocal of the positive power.
 fn integer_power(x: f32, n: i32) -> f32 {
     var remaining = u32(abs(n));
@@ -19,8 +19,8 @@ fn integer_power(x: f32, n: i32) -> f32 {
     return result;
 }
 
-// x^y. An exponent whose value is an integer takes a negative base; WGSL's own pow is undefined there. Integers
-// multiply as far as f32 tells them apart (2^24); beyond, f32 knows even numbers only.
+// Returns x^y. A negative base requires an exponent with an integer value; WGSL's own pow is undefined there. Integer
+// exponents multiply up to 2^24, the limit to which f32 distinguishes them; beyond, f32 has even numbers only.
 fn power(x: f32, y: f32) -> f32 {
     let is_integer = y == trunc(y);
     if is_integer && abs(y) <= 16777216.0 {
@@ -38,7 +38,7 @@ fn power(x: f32, y: f32) -> f32 {
     return undefined();
 }
 
-// The product that a zero first factor annihilates: 0 where a is 0, whatever b is.
+// Returns the product that a zero first factor annihilates: 0 if a is 0, whatever b is.
 fn zmul(a: f32, b: f32) -> f32 {
     if a == 0.0 {
         return 0.0;
@@ -46,7 +46,7 @@ fn zmul(a: f32, b: f32) -> f32 {
     return a * b;
 }
 
-// The lesser of two numbers, the first where they are equal; undefined where one of them is.
+// Returns the smaller of two numbers, the first if they are equal; undefined if one of them is.
 fn least(a: f32, b: f32) -> f32 {
     if is_undefined(a) || is_undefined(b) {
         return undefined();
@@ -54,7 +54,7 @@ fn least(a: f32, b: f32) -> f32 {
     return select(b, a, a <= b);
 }
 
-// The greater of two numbers, the first where they are equal; undefined where one of them is.
+// Returns the larger of two numbers, the first if they are equal; undefined if one of them is.
 fn greatest(a: f32, b: f32) -> f32 {
     if is_undefined(a) || is_undefined(b) {
         return undefined();
@@ -62,7 +62,7 @@ fn greatest(a: f32, b: f32) -> f32 {
     return select(b, a, a >= b);
 }
 
-// 1 where a <= b, else 0; undefined where one of them is.
+// Returns 1 if a <= b, otherwise 0; undefined if one of them is.
 fn at_most(a: f32, b: f32) -> f32 {
     if is_undefined(a) || is_undefined(b) {
         return undefined();

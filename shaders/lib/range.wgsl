@@ -1,21 +1,21 @@
-// Ranges of expressions in f32: what values an expression may have on a part of a line, and what slopes along it. They
-// contain what f64 finds there: each operation widens its result by more than it rounds, and what is undefined somewhere,
-// or too large, is everything. The operations have the names of those of expressions.
+// Ranges of expressions in f32: bounds of an expression's values on a part of a line, and of its slopes along it. They
+// contain the results of f64: each operation widens its result by more than its rounding error, and a value that is
+// undefined somewhere, or too large, becomes the range of everything. The operations have the names of those of expressions.
 
 struct Range {
-    // The least and the greatest.
+    // The minimum and the maximum.
     value: vec2f,
     slope: vec2f,
 }
 
-// Stands for everything: products of two such numbers are still numbers.
+// The bound of the range of everything: products of two such numbers are still finite.
 const RANGE_MOST: f32 = 1e18;
-// The rounding of sums and products, of quotients and roots; the error of angles.
+// The rounding errors of sums and products, and of quotients and roots; the error of angles.
 const RANGE_ROUNDING: f32 = 2.4e-7;
 const RANGE_QUOTIENT: f32 = 6e-7;
 const RANGE_ANGLE: f32 = 4e-6;
 const RANGE_LEAST: f32 = 1e-30;
-// Larger arguments of sine and cosine are not told from each other.
+// Sine and cosine of larger arguments may have any value.
 const RANGE_WAVES: f32 = 1500.0;
 
 fn everything() -> vec2f {
@@ -30,7 +30,7 @@ fn is_point(a: vec2f) -> bool {
     return a.x == a.y;
 }
 
-// A little more, by a share of its ends.
+// Returns the range, widened by a fraction of its ends.
 fn widened(a: vec2f, share: f32) -> vec2f {
     let wide = a + vec2f(-1.0, 1.0) * (share * abs(a) + RANGE_LEAST);
     if wide.x > -RANGE_MOST && wide.y < RANGE_MOST {
@@ -40,7 +40,7 @@ fn widened(a: vec2f, share: f32) -> vec2f {
 }
 
 fn sum_of(a: vec2f, b: vec2f) -> vec2f {
-    // As a share of the summands: they may cancel.
+    // As a fraction of the summands: they may cancel.
     let wide = RANGE_ROUNDING * max(abs(a), abs(b));
     return widened(a + b + vec2f(-wide.x, wide.y), RANGE_ROUNDING);
 }
@@ -65,7 +65,7 @@ fn reciprocal_range(a: vec2f) -> vec2f {
     return everything();
 }
 
-// The slope of a function with these first derivatives.
+// Returns the slope of a function with these first derivatives.
 fn chained(value: vec2f, first: vec2f, x: Range) -> Range {
     return Range(value, product_of(first, x.slope));
 }
@@ -103,7 +103,7 @@ fn range_div(a: Range, b: Range) -> Range {
     return range_mul(a, chained(reciprocal_range(b.value), -square_of(reciprocal_range(b.value)).yx, b));
 }
 
-// The greater of two ranges, and where neither always is, what both may be.
+// Returns the larger of two ranges, or, if neither is always larger, their union.
 fn range_max(a: Range, b: Range) -> Range {
     if a.value.x >= b.value.y {
         return a;
@@ -148,7 +148,7 @@ fn range_abs(a: Range) -> Range {
     return Range(vec2f(0.0, most), vec2f(-steepest, steepest));
 }
 
-// The root of what is never negative may be rounded below 0.
+// The root of a non-negative value may be rounded below 0.
 fn root_of(a: vec2f) -> vec2f {
     if a.x < -1e-20 {
         return everything();
@@ -188,15 +188,15 @@ fn range_log(a: Range) -> Range {
     return chained(logarithm_of(a.value), reciprocal_range(a.value), a);
 }
 
-// Sine and cosine of a number that is not too large, alike on all drivers: of what is left of it by turns, both of which
-// are differences of numbers that f32 has.
+// Returns sine and cosine of a number that is not too large, with the same result on all drivers: whole turns are subtracted
+// first, in steps that are exact in f32.
 fn waves_at(x: f32) -> vec2f {
     let turns = round(x * 0.15915494);
     let angle = (x - turns * 6.28125) - turns * 0.0019353072;
     return vec2f(half_wave(angle), half_wave((1.57079637 - abs(angle)) - 4.371139e-8));
 }
 
-// The sine of an angle from −π to π, by its series.
+// Returns the sine of an angle from −π to π, by its series.
 fn half_wave(angle: f32) -> f32 {
     var x = angle;
     if abs(angle) > 1.57079637 {
@@ -207,13 +207,13 @@ fn half_wave(angle: f32) -> f32 {
     return x + x * s * (-0.16666667 + s * tail);
 }
 
-// True if an angle of this part is `at`, up to turns.
+// Returns true if an angle of this part is `at`, modulo whole turns.
 fn meets_angle(a: vec2f, at: f32) -> bool {
     let turns = (a - at) * 0.15915494;
     return floor(turns.y + 2e-4) >= ceil(turns.x - 2e-4);
 }
 
-// The sine and the cosine.
+// Returns the sine and the cosine.
 fn range_waves(a: Range) -> array<Range, 2> {
     var sine = vec2f(-1.0, 1.0);
     var cosine = vec2f(-1.0, 1.0);
@@ -243,8 +243,8 @@ fn range_tan(a: Range) -> Range {
     return range_div(both[0], both[1]);
 }
 
-// The angle of a tangent, alike on all drivers: a series up to 1 (Abramowitz and Stegun, 4.4.49), and beyond it of the
-// reciprocal.
+// Returns the angle of a tangent, with the same result on all drivers: a series up to 1 (Abramowitz and Stegun, 4.4.49), and
+// beyond 1 that of the reciprocal.
 fn angle_of(tangent: f32) -> f32 {
     let is_steep = abs(tangent) > 1.0;
     let x = select(tangent, 1.0 / select(tangent, 1.0, abs(tangent) <= 1.0), is_steep);
@@ -299,13 +299,13 @@ fn range_tanh(a: Range) -> Range {
     return chained(value, first, a);
 }
 
-// a^n for a whole n above 0.
+// Returns a^n for an integer n above 0.
 fn whole_power_of(a: vec2f, n: u32) -> vec2f {
     let most = max(abs(a.x), abs(a.y));
     if most > 1.0 && f32(n) * log2(most) > 59.0 {
         return everything();
     }
-    // Without a loop as a rule: drivers may count the rounds of all of them.
+    // Usually without a loop: drivers may count the iterations of all loops.
     let second = a * a;
     let fourth = second * second;
     let eighth = fourth * fourth;
@@ -345,7 +345,7 @@ fn range_integer_power(a: Range, n: i32) -> Range {
     return range_div(Range(vec2f(1.0), vec2f(0.0)), power);
 }
 
-// a^b for an a that is not negative and a b above 0.
+// Returns a^b for a non-negative a and a b above 0.
 fn rising_power_of(a: vec2f, b: vec2f) -> vec2f {
     let least = vec2f(2.0 * RANGE_LEAST);
     let low = exponential_of(product_of(b, logarithm_of(max(a.xx, least))));
@@ -353,14 +353,14 @@ fn rising_power_of(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(select(low.x, 0.0, a.x <= least.x), high.y);
 }
 
-// A power whose exponent is `exact` if that does not depend on the place.
+// Returns a power whose exponent is `exact` if it does not depend on the point.
 fn range_power(a: Range, b: Range, exact: f32) -> Range {
     let is_exact = all(b.slope == vec2f(0.0));
     if is_exact && exact == trunc(exact) && abs(exact) <= 1000.0 {
         return range_integer_power(a, i32(exact));
     }
     if is_exact && exact > 0.0 && a.value.x >= 0.0 {
-        // Also at 0, where there is no logarithm.
+        // Also at 0, where the logarithm is undefined.
         let value = rising_power_of(a.value, b.value);
         var first = b.value;
         if exact > 1.0 {

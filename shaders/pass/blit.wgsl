@@ -1,4 +1,4 @@
-// Copies a picture onto a target, stretched over the viewport: no blending, no colours but the picture's.
+// Copies a picture onto a target, stretched over the viewport, without blending and with unchanged colours.
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -8,7 +8,7 @@ struct Corner {
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var between: sampler;
 
-// A triangle that covers the viewport; place runs over the picture from its upper left corner.
+// A triangle that covers the viewport; `place` ranges over the picture from its upper left corner.
 @vertex
 fn cover(@builtin(vertex_index) index: u32) -> Corner {
     let place = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));

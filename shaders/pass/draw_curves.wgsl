@@ -1,5 +1,4 @@
-// Painter of curves: samples → a strip from each to the next; round ends, and round joins where it turns
-// sharply.
+// The painter of curves: samples → a strip from each sample to the next; round ends, and round joins at sharp turns.
 
 const JOIN_SEGMENTS: u32 = 12u;
 // The cosine of the turn up to which two pieces share their edge (a mitre).
@@ -7,23 +6,23 @@ const MITRE: f32 = 0.8;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
-// Position, and in w 0 where it is undefined, 2 where the curve breaks off behind it, else 1.
+// The position; w is 0 if it is undefined, 2 if the curve breaks off after it, otherwise 1.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
-// The colours of the instances, linear light; the last one is that of all further instances.
+// The colours of the instances in linear light; the last one is that of all further instances.
 @group(0) @binding(3) var<storage, read> colours: array<vec4f>;
 
-// A sample in view space, with w as it is.
+// Returns a sample in view space, with its w.
 fn sample_at(index: u32) -> vec4f {
     let sample = samples[index];
     return vec4f(seen(sample.xyz, view), sample.w);
 }
 
-// Whether the curve goes on from a sample to the next.
+// Returns whether the curve continues from a sample to the next.
 fn has_piece(a: vec4f, b: vec4f) -> bool {
     return a.w == 1.0 && b.w != 0.0;
 }
 
-// The unit vector across the piece from sample `index` to the next; 0 where there is no such piece.
+// Returns the unit vector across the piece from sample `index` to the next; 0 if there is no such piece.
 fn across_from(index: u32) -> vec2f {
     if index % glyph.count + 1u >= glyph.count {
         return vec2f();
@@ -36,7 +35,7 @@ fn across_from(index: u32) -> vec2f {
     return across_piece(a.xyz, b.xyz, view);
 }
 
-// The vector across the piece before sample `index`; 0 where there is none.
+// Returns the vector across the piece before sample `index`; 0 if there is none.
 fn across_to(index: u32) -> vec2f {
     if index % glyph.count == 0u {
         return vec2f();
@@ -81,7 +80,7 @@ fn place_curves(@builtin(vertex_index) vertex: u32) -> GlyphVertex {
     if all(across == vec2f()) {
         across = vec2f(1.0, 0.0);
     } else {
-        // (p + q) / (1 + p·q) has the component 1 along both p and q.
+        // (p + q) / (1 + p·q) has component 1 along both p and q.
         var other: vec2f;
         if corner_is_far(corner) {
             other = across_from(index + 1u);

@@ -1,12 +1,12 @@
-// Painter of points: samples → discs.
+// The painter of points: samples → discs.
 
 const POINT_SEGMENTS: u32 = 24u;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
-// Position, and in w 1 where it is defined.
+// The position; w is 1 if it is defined.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
-// The colours of the instances, linear light; the last one is that of all further instances.
+// The colours of the instances in linear light; the last one is that of all further instances.
 @group(0) @binding(3) var<storage, read> colours: array<vec4f>;
 
 @vertex

@@ -1,15 +1,15 @@
-// Painter of solids: light and depth that rays have found, one word pair a pixel, into the target's samples.
+// The painter of solids: the light and depth that rays have found, two words per pixel, into the target's samples.
 
 struct SolidExtent {
-    // The number of columns of the pixels.
+    // The number of columns of pixels.
     columns: u32,
 }
 
 @group(0) @binding(0) var<uniform> extent: SolidExtent;
-// Of each pixel the bits of its depth, 0 where no solid is seen, and its colour, sRGB; or SPLIT, and the index of the first
-// of its four samples in `splits`.
+// For each pixel the bits of its depth, 0 if no solid is seen, and its sRGB colour; or SPLIT, and the index of the first of
+// its four samples in `splits`.
 @group(0) @binding(1) var<storage, read> pixels: array<vec2u>;
-// Likewise, for each sample of the pixels whose samples differ.
+// The same for each sample of the pixels whose samples differ.
 @group(0) @binding(2) var<storage, read> splits: array<vec2u>;
 
 const SPLIT: u32 = 0xffffffffu;

@@ -1,21 +1,21 @@
-// Painter of surfaces: samples → lit triangles with a texture.
+// The painter of surfaces: samples → lit triangles with a texture.
 
 struct Patch {
     // Samples of one instance along u and v.
     count: vec2u,
     // The first instance of this draw.
     first: u32,
-    // The share of the view's emphasis.
+    // The fraction of the view's emphasis.
     emphasis: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> patch_: Patch;
-// Two for each sample: position (w: 0 where undefined, 2 where the cell behind it is left open, else 1), normal.
+// Two vectors for each sample: position (w: 0 if undefined, 2 if the cell after it is left open, otherwise 1), normal.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
 @group(0) @binding(3) var image: texture_2d<f32>;
 @group(0) @binding(4) var image_sampler: sampler;
-// The colours of the instances, linear light, which multiply the texture; the last one is that of all further instances.
+// The colours of the instances in linear light, which multiply the texture; the last one is that of all further instances.
 @group(0) @binding(5) var<storage, read> colours: array<vec4f>;
 
 struct PatchVertex {
@@ -25,12 +25,12 @@ struct PatchVertex {
     @location(1) normal: vec3f,
     // 0 to 1 over the domain, v downwards in the image as in the domain.
     @location(2) place: vec2f,
-    // 1 where all corners of the triangle are defined. An undefined one changes it by so much that it is 1 nowhere else in
-    // a triangle, however large; beside the triangle, where a pixel's middle may lie, it is more than 1.
+    // 1 if all corners of the triangle are defined. An undefined corner changes it so much that it is not 1 anywhere else in
+    // a triangle of any size; beside the triangle, where a pixel's centre may be, it exceeds 1.
     @location(3) defined: f32,
-    // 1 where the cell of the triangle is left open: its first corner says so.
+    // 1 if the cell of the triangle is left open; taken from its first corner.
     @location(4) @interpolate(flat, first) open: u32,
-    // That of the instance.
+    // The colour of the instance.
     @location(5) @interpolate(flat) colour: vec3f,
 }
 
@@ -50,15 +50,15 @@ fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) in
 @fragment
 fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = filtered(image, image_sampler, vertex.place, dpdx(vertex.place), dpdy(vertex.place));
-    // Interpolation of ones is 1 up to rounding.
+    // Interpolating ones yields 1 up to rounding.
     if vertex.open == 1u || abs(vertex.defined - 1.0) > 1e-4 {
         discard;
     }
     let to_eye = to_eye_from(vertex.at, view);
     var normal = to_eye;
     if dot(vertex.normal, vertex.normal) > 1e-12 {
-        // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and
-        // turning it over there would speckle the rim.
+        // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and flipping it
+        // there would speckle the rim.
         normal = select(-1.0, 1.0, front) * normalize(vertex.normal);
     }
     let colour = lit(vertex.colour * texel, normal, to_eye, view);

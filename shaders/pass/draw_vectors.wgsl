@@ -1,24 +1,24 @@
-// Painter of vectors: samples → a strip for the shaft, a disc at its start, a cone for the head.
+// The painter of vectors: samples → a strip for the shaft, a disc at its start, a cone for the head.
 
 const START_SEGMENTS: u32 = 12u;
 const HEAD_SEGMENTS: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
-// Two for each arrow: origin (w: 1 where defined), direction.
+// Two vectors for each arrow: origin (w: 1 if defined), direction.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
-// The colours of the instances, linear light; the last one is that of all further instances.
+// The colours of the instances in linear light; the last one is that of all further instances.
 @group(0) @binding(3) var<storage, read> colours: array<vec4f>;
 
 struct ArrowVertex {
     @builtin(position) position: vec4f,
-    // On the shaft, as of any glyph.
+    // The position on the shaft, as for any glyph.
     @location(0) across: vec2f,
     // On the head: the cone's normal; 0 on the shaft.
     @location(1) normal: vec3f,
     // In view space.
     @location(2) place: vec3f,
-    // Linear light; that of the instance.
+    // The linear light of the instance.
     @location(3) @interpolate(flat) colour: vec3f,
 }
 
@@ -44,7 +44,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     let half_origin = half_width(glyph, origin, view);
     let half_tip = half_width(glyph, tip, view);
     if size < 1e-3 * half_origin {
-        // A zero vector has no direction, but it is there.
+        // A zero vector has no direction, but is drawn.
         if corner < 6u || corner >= shaft_corners || !is_in_front(origin, view) {
             return on_shaft(NO_VERTEX);
         }
@@ -53,14 +53,14 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     }
     let axis = along / size;
     let full = glyph.head_length * half_tip;
-    // A short arrow is drawn smaller, so that its head leaves some of its shaft.
+    // A short arrow is scaled down, so that some of its shaft remains visible behind the head.
     let scale = min(glyph.head_share * size / full, 1.0);
     let base = tip - axis * (full * scale);
     if corner < shaft_corners {
         if !is_in_front(origin, view) && !is_in_front(base, view) {
             return on_shaft(NO_VERTEX);
         }
-        // A scaled shaft keeps a width that four samples a pixel can show.
+        // A scaled shaft keeps a width that four samples per pixel can resolve.
         let least_origin = min(glyph.least * pixel_at(origin, view), half_origin);
         let least_tip = min(glyph.least * pixel_at(tip, view), half_tip);
         let start_half = max(half_origin * scale, least_origin);
@@ -94,7 +94,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     if place == 0u {
         position = select(tip, base, is_base);
     }
-    // The side's normal leans forward by the cone's slope.
+    // The normal of the side leans forward by the slope of the cone.
     let normal = select(normalize(outwards * (full * scale) + axis * radius), -axis, is_base);
     let seen_at = tile_position(position, glyph.lift * half_tip * scale, view);
     return ArrowVertex(seen_at, vec2f(), normal, position, colour);

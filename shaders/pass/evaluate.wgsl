@@ -1,4 +1,4 @@
-// Evaluates expressions over rows of inputs: what the GPU computes, as numbers.
+// Evaluates expressions over rows of inputs, for the GPU's results as numbers.
 
 struct Table {
     rows: u32,

@@ -1,8 +1,8 @@
-// The geodesic view from a table of polynomials → colours. One invocation a pixel, a workgroup a block of the table;
-// no light and no gamma change. The table's layout stands in crates/geodesic/src/piecewise/table.rs.
+// The geodesic view: a table of polynomials → colours. One invocation per pixel, a workgroup per block of the table; no
+// light and no gamma change. crates/geodesic/src/piecewise/table.rs describes the layout of the table.
 
 const STATUS_COMPLETE: u32 = 0u;
-// Words of the table; a test compares these numbers with those that it is written with.
+// Words of the table; a test compares these numbers with those of the writer.
 const APEXES: u32 = 8u;
 const APEX_WORDS: u32 = 8u;
 const PATCH_WORDS: u32 = 106u;
@@ -11,7 +11,7 @@ const DEGREE: u32 = 6u;
 // Kinds of cover.
 const COVER_PATCH: u32 = 0u;
 const COVER_SINGLE: u32 = 1u;
-// The word at which the edges' offsets stand, and the coordinates of a patch that an edge goes through.
+// The word at which the edges' offsets begin, and the coordinates of a patch that an edge passes through.
 const BOUNDS: u32 = 40u;
 const PLAIN_WITH_EDGE: u32 = 5u;
 const STATUS_LEFT_DOMAIN: u32 = 1u;
@@ -19,7 +19,7 @@ const STATUS_LEFT_DOMAIN: u32 = 1u;
 @group(0) @binding(0) var<uniform> resolve: Resolve;
 @group(0) @binding(1) var<storage, read> table: array<u32>;
 @group(0) @binding(2) var<storage, read_write> colours: array<u32>;
-// How many pixels have each status, over all dispatches.
+// The number of pixels of each status, over all dispatches.
 @group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>, 6>;
 @group(0) @binding(4) var image: texture_2d<f32>;
 @group(0) @binding(5) var image_sampler: sampler;
@@ -32,7 +32,7 @@ fn cover_at(x: i32, y: i32) -> u32 {
     return table[table[4] + (u32(y) / 8u) * table[2] + u32(x) / 8u];
 }
 
-// The first word of a pixel of a single.
+// Returns the first word of a pixel of a single.
 fn single_at(cover: u32, x: i32, y: i32) -> u32 {
     let index = cover & 0x3fffffffu;
     return table[6] + index * SINGLE_WORDS + 8u * ((u32(y) % 8u) * 8u + u32(x) % 8u);
@@ -67,14 +67,14 @@ fn is_seen(x: i32, y: i32) -> bool {
     return inside && status_at(x, y) == STATUS_COMPLETE;
 }
 
-// Where a pixel's geodesic ends, with its derivatives by one pixel to the right and down.
+// The end of a pixel's geodesic, with its derivatives by one pixel to the right and down.
 struct End {
     offset: vec2f,
     right: vec2f,
     down: vec2f,
 }
 
-// The polynomial of a patch.
+// Evaluates the polynomial of a patch.
 fn in_patch(patch_word: u32, x: i32, y: i32) -> End {
     let corner = vec2f(f32(table[patch_word]), f32(table[patch_word + 1u]));
     let extent = vec2f(f32(table[patch_word + 2u]), f32(table[patch_word + 3u]));
@@ -100,7 +100,7 @@ fn in_patch(patch_word: u32, x: i32, y: i32) -> End {
     return End(centre + value, by_x * 2.0 / extent.x, by_y * 2.0 / extent.y);
 }
 
-// The angle of a point; a driver's atan2 may be off by 23 pixels. The polynomial is that of the CPU.
+// Returns the angle of a point; a driver's atan2 may be off by 23 pixels. The polynomial is that of the CPU.
 fn angle_of(p: vec2f) -> f32 {
     let size = abs(p);
     let larger = max(size.x, size.y);
@@ -119,7 +119,7 @@ fn angle_of(p: vec2f) -> f32 {
     return select(half, -half, p.y < 0.0);
 }
 
-// From (a, b) about an apex to offsets from the camera.
+// Converts (a, b) about an apex to offsets from the camera.
 fn from_apex(end: End, side: u32) -> End {
     let word = APEXES + side * APEX_WORDS;
     let base = number(word);

@@ -1,5 +1,5 @@
-// Positions and normals over a surface's instances: uniforms and parameters → samples, two for each:
-// position (w: 1 where defined), normal (unit length, or zero where there is none).
+// Positions and normals over a surface's instances: uniforms and parameters → samples, two vectors for each: position (w: 1
+// if defined), normal (unit length, or zero if there is none).
 
 @group(0) @binding(0) var<uniform> sampling: Sampling;
 @group(0) @binding(1) var<storage, read> uniforms: array<f32>;
@@ -9,8 +9,9 @@ fn uniform_value(instance: u32, slot: u32) -> f32 {
     return uniforms[instance * sampling.slots + slot];
 }
 
-// The unit normal, or zero where the tangents are parallel or undefined. Each tangent is taken for the whole width
-// of the domain, and divided by the longer one, so that no chart and no size of a surface leaves f32's range.
+// Returns the unit normal, or zero if the tangents are parallel or undefined. Each tangent is scaled to the whole width of
+// the domain, and divided by the length of the longer one, so that no chart and no size of a surface leaves the range of
+// f32.
 fn normal_of(tangents: Tangents) -> vec3f {
     let du = tangents.du * (sampling.maximum.x - sampling.minimum.x);
     let dv = tangents.dv * (sampling.maximum.y - sampling.minimum.y);
@@ -45,7 +46,7 @@ fn sample_surface(
     let tangents = surface_tangents(u, v, instance);
     var normal = normal_of(tangents);
     if dot(normal, normal) == 0.0 {
-        // At a pole the tangents are parallel: a little further in they are not.
+        // At a pole the tangents are parallel: slightly further in they are not.
         let middle = 0.5 * (sampling.minimum + sampling.maximum);
         let step = sampling.nudge * (sampling.maximum - sampling.minimum);
         let inward = vec2f(u, v) + select(step, -step, vec2f(u, v) > middle);

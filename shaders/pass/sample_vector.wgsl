@@ -1,4 +1,4 @@
-// A vector's instances: uniforms → samples, two for each instance: origin (w: 1 where defined), direction.
+// A vector's instances: uniforms → samples, two vectors for each instance: origin (w: 1 if defined), direction.
 
 @group(0) @binding(0) var<uniform> sampling: Sampling;
 @group(0) @binding(1) var<storage, read> uniforms: array<f32>;

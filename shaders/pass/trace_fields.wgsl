@@ -1,21 +1,21 @@
-// The part of the pass of traced pictures for pieces that fields bound, which are no polynomials or of a high degree: the
-// places where a field changes its sign along a ray, as crates/tracer/src/field.rs finds them. A part of the ray on which
-// the field's range excludes 0 has none, one on which that of its slope does has one at most, and any other is halved. What
-// is still open at last marks the sample.
+// The part of the pass of traced pictures for pieces that fields bound, which are not polynomials or have a high degree: the
+// points where a field changes its sign along a ray, found as in crates/tracer/src/field.rs. A part of the ray on which the
+// field's range excludes 0 has none, one on which that of its slope does has at most one, and any other is halved. A part
+// that stays open marks the sample.
 //
-// The words of a field: the number of its function; in its coordinates the middle of its frame, and half of the sides; its
+// The words of a field: the number of its function; in its coordinates the centre of its frame, and half the sides; its
 // numbers.
 
 const FIELD_HEAD: u32 = 7u;
 const MOST_HALVINGS: u32 = 22u;
-// The most evaluations for a sample.
+// The maximum number of evaluations for a sample.
 const MOST_EVALUATIONS: u32 = 12000u;
-// A gradient is known to within this share of its length, and a change to within this share of half of the frame.
+// The relative error of a gradient, and the error of a change as a fraction of half the frame.
 const GRADIENT_ERROR: f32 = 2e-3;
 const CHANGE_ERROR: f32 = 1e-3;
 
-// What of the field is looked at next: its sign where the ray begins, its range on a part of the ray, its value in the middle
-// of a part whose slopes are known, its value at a place between the ends of a part where it changes once.
+// The next step of the search: the sign of the field at the start of the ray, its range on a part of the ray, its value at
+// the centre of a part whose slopes are known, its value at a point between the ends of a part on which it changes once.
 const FIELD_BEGIN: u32 = 0u;
 const FIELD_PART: u32 = 1u;
 const FIELD_MIDDLE: u32 = 2u;
@@ -26,7 +26,7 @@ struct FieldLine {
     word: u32,
     point: vec3f,
     direction: vec3f,
-    // What the point is the sum of.
+    // The magnitudes of the summands of the point.
     size: vec3f,
 }
 
@@ -44,7 +44,7 @@ fn field_line(piece: u32, line: FrameLine) -> FieldLine {
     return FieldLine(word, middle + half * line.point, half * line.direction, size);
 }
 
-// The values between two places of a line, and the slopes along it.
+// Returns the values between two points of a line, and the slopes along it.
 fn field_along(line: FieldLine, a: f32, b: f32) -> Range {
     let at_a = line.point + a * line.direction;
     let at_b = line.point + b * line.direction;
@@ -63,20 +63,20 @@ fn field_along(line: FieldLine, a: f32, b: f32) -> Range {
     );
 }
 
-// Reads a piece: its membership where the ray comes to it behind `behind_t`, and its events behind that. The places do not
-// depend on `behind_t`, so that none is met twice.
+// Reads a piece: its membership where the ray reaches it after `behind_t`, and its events after that. The results do not
+// depend on `behind_t`, so that no event is found twice.
 fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
     let field = field_line(piece, line);
     let opposite = pieces[piece].kind >= 256u;
     let begin = max(part.x, behind_t);
-    // Until it is known that the surface which the ray leaves is behind it.
+    // True until the surface that the ray leaves is known to be behind it.
     var is_leaving = pieces[piece].equation == ray.leaving && part.x <= ray.slack;
     let starts_within = behind_t == 0.0 && part.x <= 0.0;
     let first = place_of(line, select(max(part.x, 0.0), 0.0, is_leaving));
     var width = place_of(line, part.y) - first;
     var index = 0u;
     var halvings = 0u;
-    // True right behind what is done if the field is not positive there, and right behind `begin`.
+    // The membership immediately after the finished part, and immediately after `begin`.
     var inside = false;
     var inside_first = false;
     var found = 0u;
@@ -90,11 +90,11 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
         a -= ray.slack * line.speed;
         b += ray.slack * line.speed;
     }
-    // The part, then the bracket of the place in it where the field changes.
+    // The part, then the bracket of the change in it.
     var low = first;
     var high = first + width;
     var tries = 0u;
-    // The most by which the field differs on a part from its value in the middle.
+    // The maximum difference of the field on a part from its value at the centre.
     var reach = 0.0;
     loop {
         evaluations++;
@@ -111,7 +111,7 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
             inside = value <= 0.0;
             inside_first = inside;
             if starts_within && has_zero(range.value) {
-                // So near the start, only f64 says on which side of the surface it is.
+                // This close to the start, only f64 determines the side of the surface.
                 is_marked = true;
             }
             next = FIELD_PART;
@@ -128,7 +128,7 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
                 is_leaving = false;
             } else if !is_leaving && !has_zero(values) {
                 if (value <= 0.0) != inside {
-                    // Where this part and the one before it meet.
+                    // The common point of this part and the previous one.
                     change = low;
                 }
             } else if is_monotone {
@@ -139,7 +139,7 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
             } else {
                 reach = 0.5000001 * width * max(-range.slope.x, range.slope.y);
                 if is_part && !is_leaving && 2.0 * reach < range.value.y - range.value.x {
-                    // So the values are known better.
+                    // This narrows the range of values.
                     next = FIELD_MIDDLE;
                     a = 0.5 * (low + high);
                     b = a;
@@ -182,7 +182,7 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
             }
             change = place;
         }
-        // The part is done.
+        // The part is finished.
         if change < ENDLESS {
             inside = !inside;
             let t = t_of(line, change);
@@ -215,7 +215,7 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
     return inside_first != opposite;
 }
 
-// The gradient at a place of the frame.
+// Returns the gradient at a point of the frame.
 fn field_gradient(piece: u32, at: vec3f) -> vec3f {
     let word = pieces[piece].terms;
     let middle = field_vector(word + 1u);

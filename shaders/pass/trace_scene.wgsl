@@ -1,10 +1,10 @@
-// A traced picture: rays are followed through solids, mirrors and glass as in crates/tracer/src/shade.rs. The scene is
-// data: crates/render/src/gpu/trace/tables.rs writes it, and crates/wgsl/src/traced.rs the functions of its expressions.
-// One invocation a pixel; a sample in which f32 may decide otherwise than f64, or that is too much for the lists below, is
+// A traced picture: rays are followed through solids, mirrors and glass as in crates/tracer/src/shade.rs. The scene is data,
+// written by crates/render/src/gpu/trace/tables.rs; crates/wgsl/src/traced.rs writes the functions of its expressions. There
+// is one invocation per pixel. A sample for which f32 may decide differently from f64, or which exceeds the lists below, is
 // marked and adds nothing.
 
 const NONE: u32 = 0xffffffffu;
-// The most of what is kept of a ray at once.
+// The maximum sizes of the lists of a ray.
 const MOST_NODES: u32 = 128u;
 const MOST_EVENTS: u32 = 64u;
 const MOST_TOGETHER: u32 = 8u;
@@ -12,17 +12,17 @@ const MOST_AT_START: u32 = 16u;
 const MOST_MEDIA: u32 = 4u;
 const MOST_PATHS: u32 = 16u;
 const MOST_BOXES: u32 = 40u;
-// A ray passes so many places where it crosses a component, but no face that is seen.
+// The maximum number of points at which a ray crosses a component, but no visible face.
 const MOST_PASSED: u32 = 64u;
-// The error of a place, as a share of its distances.
+// The error of a point, as a fraction of its distances.
 const PLACE_ERROR: f32 = 1e-6;
-// Faces keep parallel light from others within this distance in the look `crt`.
+// In the look `crt`, faces block parallel light up to this distance.
 const PARALLEL_REACH: f32 = 1e4;
 
 const LOOK_CRT: u32 = 1u;
 const SIDES_BOTH: u32 = 0u;
 const SIDES_OUTER: u32 = 1u;
-// A piece that a field bounds, in place of the degree.
+// The kind of a piece that a field bounds, in place of the degree.
 const FIELD_PIECE: u32 = 255u;
 // What a material lets through depends on the place, or its colour does.
 const VARIES_THROUGH: u32 = 0x10000u;
@@ -33,7 +33,7 @@ struct Trace {
     first_row: u32,
     rows: u32,
     sample: u32,
-    // The bit that marks the sample; with the first of them the sums begin.
+    // The bit that marks the sample; the sums begin with the first bit.
     bit: u32,
     light_count: u32,
     endless: u32,
@@ -45,9 +45,9 @@ struct Trace {
     terms_at: u32,
     sky_at: u32,
     sky_cells: u32,
-    // The row of the picture with which the sums begin.
+    // The first row of the picture in the sums.
     slab_row: u32,
-    // 1, which no compiler knows.
+    // The value 1, unknown to the compiler.
     one: u32,
 }
 
@@ -71,7 +71,7 @@ struct Component {
 }
 
 struct Leaf {
-    // Rows of the map into its frame, from places relative to its centre.
+    // The rows of the map into its frame, from positions relative to its centre.
     row_x: vec4f,
     row_y: vec4f,
     row_z: vec4f,
@@ -95,9 +95,9 @@ struct Piece {
     frame: u32,
     equation: u32,
     leaf: u32,
-    // The degree, or FIELD_PIECE, and 256 where it is inside where the polynomial or the field is positive.
+    // The degree, or FIELD_PIECE; plus 256 if the piece is inside where the polynomial or the field is positive.
     kind: u32,
-    // 64 times the first term, and their number; of a field its first word.
+    // 64 times the first term, plus their number; for a field its first word.
     terms: u32,
 }
 
@@ -114,7 +114,7 @@ struct Material {
     varies: u32,
 }
 
-// The look of a face at a place: its material there, and the gradient of the height along the outer normal.
+// The look of a face at a point: its material there, and the gradient of the height along the outward normal.
 struct VariedLook {
     material: Material,
     bump: vec3f,
@@ -129,13 +129,13 @@ struct VariedLook {
 @group(0) @binding(5) var<storage, read> words: array<u32>;
 @group(0) @binding(6) var<storage, read> materials: array<Material>;
 @group(0) @binding(7) var<storage, read> lights: array<Light>;
-// For each pixel the light of its samples, and the bits of those that are marked.
+// For each pixel the light of its samples, and the bits of the marked ones.
 @group(0) @binding(8) var<storage, read_write> sums: array<vec4f>;
 
 struct Ray {
     origin: vec3f,
     direction: vec3f,
-    // The equation of the surface that it starts on, or NONE.
+    // The equation of the surface on which it starts, or NONE.
     leaving: u32,
     // The error of its start.
     slack: f32,
@@ -158,7 +158,7 @@ struct Path {
     ray: Ray,
     share: vec3f,
     weight: f32,
-    // The length of the way from the eye.
+    // The length of the path from the eye.
     length: f32,
     bounces: u32,
     media_count: u32,
@@ -171,25 +171,25 @@ struct Face {
     position: vec3f,
     // On the side of the ray's start.
     normal: vec3f,
-    // The one by which it is lit: a height may turn it.
+    // The normal for lighting: a height may turn it.
     lit_normal: vec3f,
 }
 
-// The sample is left to f64.
+// True if the sample is left to f64.
 var<private> is_marked: bool;
 // The state of a component's tree: for each node the number of parts that hold.
 var<private> holding: array<u32, MOST_NODES>;
-// The events of a component: t, and the piece with 2³¹ where the ray comes inside of it.
+// The events of a component: t, and the piece, plus 2³¹ if the ray enters it.
 var<private> event_t: array<f32, MOST_EVENTS>;
 var<private> event_piece: array<u32, MOST_EVENTS>;
 var<private> event_count: u32;
-// No event up to here is missing. A field has as many as are wanted, since to find each of them takes long.
+// All events up to here are known. A field yields only the events that are needed, since finding each takes long.
 var<private> known_until: f32;
 var<private> wanted: u32;
-// The components that the ray is inside of before what it meets, by their numbers.
+// The components that contain the ray before its first crossing, by their numbers.
 var<private> start: array<u32, MOST_AT_START>;
 var<private> start_count: u32;
-// The crossings of components that are met first, by their numbers, then those of solids among them.
+// The first crossings of components, by their numbers, then those of solids among them.
 var<private> together: array<u32, MOST_TOGETHER>;
 var<private> together_piece: array<u32, MOST_TOGETHER>;
 var<private> together_enters: array<bool, MOST_TOGETHER>;
@@ -198,7 +198,7 @@ var<private> together_t: f32;
 var<private> paths: array<Path, MOST_PATHS>;
 var<private> path_count: u32;
 
-// The membership of a node with so many parts that hold.
+// Returns the membership of a node of which `count` parts hold.
 fn node_holds(node: u32, count: u32) -> bool {
     if (node & 0x80000000u) != 0u {
         return count > 0u;
@@ -210,7 +210,7 @@ fn root_holds(first_node: u32) -> bool {
     return node_holds(words[2u * first_node], holding[0]);
 }
 
-// Changes a literal, which differs, and what depends on it.
+// Changes a literal, which must differ, and everything that depends on it.
 fn set_literal(first_node: u32, literal: u32, inside: bool) {
     var rises = inside != ((literal & 0x80000000u) != 0u);
     var id = literal & 0x7fffffffu;
@@ -248,12 +248,12 @@ fn add_event(piece: u32, t: f32, inside: bool) {
     event_count++;
 }
 
-// A number that a generated function reads.
+// Returns a number that a generated function reads.
 fn uniform_value(instance: u32, slot: u32) -> f32 {
     return bitcast<f32>(words[instance + slot]);
 }
 
-// The part of a line within a box, a little more; empty where the first exceeds the second.
+// Returns the part of a line within a box, slightly enlarged; empty if the first bound exceeds the second.
 fn part_within(lower: vec3f, upper: vec3f, origin: vec3f, reciprocal: vec3f) -> vec2f {
     let a = (lower - origin) * reciprocal;
     let b = (upper - origin) * reciprocal;
@@ -284,7 +284,7 @@ fn line_in(leaf: u32, ray: Ray) -> FrameLine {
     return FrameLine(origin + middle * direction, direction, middle / speed, speed);
 }
 
-// Half of the gradient of a quadric's part of degree two.
+// Returns half of the gradient of a quadric's part of degree two.
 fn half_gradient(squares: vec3f, mixed: vec3f, at: vec3f) -> vec3f {
     let m = mixed;
     return squares * at
@@ -295,7 +295,7 @@ fn term_at(piece: u32, k: u32) -> u32 {
     return trace.terms_at + 2u * ((pieces[piece].terms >> 6u) + k);
 }
 
-// The polynomial of a piece along a line in its frame.
+// Returns the polynomial of a piece along a line in its frame.
 fn along_line(piece: u32, line: FrameLine) -> Coefficients {
     var p: Coefficients;
     p.degree = pieces[piece].kind & 0xffu;
@@ -369,7 +369,7 @@ fn slope_power(x: f32, n: u32) -> f32 {
     return f32(n) * whole_power(x, n - 1u);
 }
 
-// The sign changes of a piece in t, without the one that the ray leaves.
+// Returns the sign changes of a piece in t, without the one that the ray leaves.
 fn piece_changes(piece: u32, line: FrameLine, leaving: bool) -> SignChanges {
     var p = along_line(piece, line);
     if leaving {
@@ -382,7 +382,7 @@ fn piece_changes(piece: u32, line: FrameLine, leaving: bool) -> SignChanges {
     return changes;
 }
 
-// Reads a piece: its membership where the ray comes to it behind `behind_t`, and its events behind that.
+// Reads a piece: its membership where the ray reaches it after `behind_t`, and its events after that.
 fn read_polynomial(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
     let begin = max(part.x, behind_t);
     let leaving = pieces[piece].equation == ray.leaving;
@@ -391,7 +391,7 @@ fn read_polynomial(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t:
     var inside = is_inside;
     for (var j = 0u; j < changes.count; j++) {
         let t = changes.places[j];
-        // So near the start, only f64 says on which side of the surface it is.
+        // This close to the start, only f64 determines the side of the surface.
         if !leaving && behind_t == 0.0 && abs(t) < ray.slack && t >= part.x {
             is_marked = true;
         }
@@ -403,7 +403,7 @@ fn read_polynomial(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t:
     return is_inside;
 }
 
-// Reads a leaf: its membership where the ray comes to it, and its events behind `behind_t`.
+// Reads a leaf: its membership where the ray reaches it, and its events after `behind_t`.
 fn read_leaf(leaf: u32, first_node: u32, ray: Ray, reciprocal: vec3f, behind_t: f32) {
     let part = part_within(leaves[leaf].lower, leaves[leaf].upper, ray.origin, reciprocal);
     if part.x > part.y || part.y < behind_t {
@@ -435,7 +435,7 @@ fn read_leaf(leaf: u32, first_node: u32, ray: Ray, reciprocal: vec3f, behind_t: 
     }
 }
 
-// The event of a group that alone takes the ray across the component's surface, else the first of them.
+// Returns the event of a group that by itself takes the ray across the component's surface, otherwise the first of them.
 fn owner(first_node: u32, t: f32, after: bool) -> u32 {
     var first = NONE;
     var count = 0u;
@@ -448,7 +448,7 @@ fn owner(first_node: u32, t: f32, after: bool) -> u32 {
     if count == 1u {
         return first;
     }
-    // All of them back, then each of them forward and back.
+    // First all events backward, then each of them forward and backward.
     for (var step = 0u; step < 3u * event_count; step++) {
         var event = step;
         var forward = false;
@@ -466,7 +466,7 @@ fn owner(first_node: u32, t: f32, after: bool) -> u32 {
     return first;
 }
 
-// The first crossing of a component behind `behind_t` and not behind `before`.
+// Returns the first crossing of a component after `behind_t` and not after `before`.
 fn visit(component: u32, ray: Ray, reciprocal: vec3f, behind_t: f32, before: f32) -> Met {
     let first_node = components[component].first_node;
     let first_leaf = components[component].first_leaf;
@@ -519,7 +519,7 @@ fn visit(component: u32, ray: Ray, reciprocal: vec3f, behind_t: f32, before: f32
     return met;
 }
 
-// Adds what a component has to the crossings that are met first.
+// Adds the crossings of a component, if they are among the first.
 fn consider(component: u32, ray: Ray, reciprocal: vec3f, behind_t: f32) {
     let met = visit(component, ray, reciprocal, behind_t, together_t);
     if met.inside_before {
@@ -563,7 +563,7 @@ fn consider(component: u32, ray: Ray, reciprocal: vec3f, behind_t: f32) {
     together_count++;
 }
 
-// Leaves of the crossings of components those of solids, one for each solid.
+// Reduces the crossings of components to those of solids, one for each solid.
 fn keep_solids() {
     var kept = 0u;
     var at = 0u;
@@ -600,7 +600,7 @@ fn keep_solids() {
     together_count = kept;
 }
 
-// The first place behind `behind_t` and before `before` where the ray crosses components.
+// Returns the first point after `behind_t` and before `before` at which the ray crosses components.
 fn next_crossing(ray: Ray, behind_t: f32, before: f32) {
     let reciprocal = reciprocal_of(ray.direction);
     start_count = 0u;
@@ -609,7 +609,7 @@ fn next_crossing(ray: Ray, behind_t: f32, before: f32) {
     var waiting: array<u32, MOST_BOXES>;
     waiting[0] = 0u;
     var waiting_count = min(trace.boxes, 1u);
-    // Components to be considered: first the endless ones, then those of one box after the other.
+    // The components to be considered: first the unbounded ones, then those of one box after another.
     var place = trace.order_at;
     var end = trace.order_at + trace.endless;
     loop {
@@ -636,7 +636,7 @@ fn next_crossing(ray: Ray, behind_t: f32, before: f32) {
             is_marked = true;
             break;
         }
-        // The child whose middle comes first is taken first.
+        // The child whose centre comes first is visited first.
         let first = id + 1u;
         let second = boxes[id].place;
         let apart = (boxes[second].lower + boxes[second].upper)
@@ -646,7 +646,7 @@ fn next_crossing(ray: Ray, behind_t: f32, before: f32) {
         waiting[waiting_count + 1u] = select(first, second, swapped);
         waiting_count += 2u;
     }
-    // Nothing has been met at the end itself.
+    // A crossing exactly at the end does not count.
     if together_t >= before {
         together_count = 0u;
         together_t = ENDLESS;
@@ -686,7 +686,7 @@ fn seen_first() -> u32 {
     return select(opaque, first, opaque == NONE);
 }
 
-// The normal of a crossing, on the side of the ray's start.
+// Returns the normal of a crossing, on the side of the ray's start.
 fn normal_at(piece: u32, ray: Ray, t: f32) -> vec3f {
     let leaf = pieces[piece].frame;
     let line = line_in(leaf, ray);
@@ -702,7 +702,7 @@ fn normal_at(piece: u32, ray: Ray, t: f32) -> vec3f {
     return select(unit, -unit, dot(unit, ray.direction) > 0.0);
 }
 
-// The normal that a height with this gradient gives a face.
+// Returns the normal of a face that is turned by a height with this gradient.
 fn turned(normal: vec3f, bump: vec3f) -> vec3f {
     let slope = bump - dot(normal, bump) * normal;
     let lit = normal - slope;
@@ -713,7 +713,7 @@ fn turned(normal: vec3f, bump: vec3f) -> vec3f {
     return lit / size;
 }
 
-// The error of a face's place.
+// Returns the error of a face's point.
 fn slack_at(face: Face) -> f32 {
     let place = abs(face.position);
     return 2.0 * PLACE_ERROR * max(max(max(place.x, place.y), place.z), face.t);
@@ -723,7 +723,7 @@ fn ray_from(face: Face, direction: vec3f) -> Ray {
     return Ray(face.position, direction, pieces[face.piece].equation, slack_at(face));
 }
 
-// The light of a face that comes whatever is between it and a light.
+// Returns the light on a face that arrives even if something blocks the light source.
 fn ambient_light(light: Light, material: Material) -> vec3f {
     if trace.look == LOOK_CRT {
         return light.ambient * light.color * (1.0 - material.mirror);
@@ -731,7 +731,7 @@ fn ambient_light(light: Light, material: Material) -> vec3f {
     return material.scattered * light.ambient * material.color * light.color;
 }
 
-// The light of a face that comes from a light that it sees.
+// Returns the light on a face from a light that it sees.
 fn seen_share(
     light: Light, towards: vec3f, face: Face, material: Material, direction: vec3f,
 ) -> vec3f {
@@ -751,7 +751,7 @@ fn seen_share(
     return material.scattered * height * material.color * light.color + highlight * light.highlight;
 }
 
-// The light where nothing is: a table over the height of the direction, from −1 to 1.
+// Returns the light of the background: a table over the height of the direction, from −1 to 1.
 fn sky(direction: vec3f) -> vec3f {
     let at = clamp(0.5 + 0.5 * direction.z, 0.0, 1.0) * f32(trace.sky_cells);
     let cell = min(u32(at), trace.sky_cells - 1u);
@@ -860,7 +860,7 @@ fn media_at_start(path: ptr<function, Path>) {
     }
 }
 
-// Adds a path that goes on from another one, or what it sees where none goes on.
+// Adds a path that continues another one, or the background if the path ends. Returns the light of the latter.
 fn go_on(next: Path) -> vec3f {
     if next.weight < trace.least_weight {
         return vec3f(0.0);
@@ -918,7 +918,7 @@ fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
     if any(mirror != vec3f(0.0)) {
         let direction = path.ray.direction;
         var away = direction - 2.0 * dot(face.lit_normal, direction) * face.lit_normal;
-        // Into the true face: reflected at it once more.
+        // It points into the true face: reflect it at that face, too.
         away -= 2.0 * min(dot(face.normal, away), 0.0) * face.normal;
         next.ray = ray_from(face, normalize(away));
         next.share = path.share * mirror;
@@ -928,8 +928,8 @@ fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
     return out;
 }
 
-// The light of a sample: rays of paths, and from each face that one meets, rays to the lights. Drivers copy a function to
-// wherever it is called, so that all rays are cast at one place.
+// Returns the light of a sample: casts rays along paths and, from each face that a path meets, rays to the lights. Drivers
+// inline a function wherever it is called, so all rays are cast at one point in the code.
 fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
     let place = sample_place(trace.lens, pixel, sample);
     let eye = lens_ray(trace.lens, pixel, place);
@@ -946,7 +946,7 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
     var material: Material;
     var ray: Ray;
     var before = ENDLESS;
-    // The light to which the ray goes; none for a ray of the path itself.
+    // The light to which the ray leads; NONE for a ray of the path itself.
     var light = NONE;
     var towards = vec3f(0.0);
     // The share of its light that comes there, and the glass on the way to it.
@@ -1047,7 +1047,7 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
                 * seen_share(lights[light], towards, face, material, path.ray.direction);
             light++;
         }
-        // The next light whose rays something may keep from the face.
+        // The next light from which something may shade the face.
         is_done = true;
         while light < trace.light_count {
             out += path.share * ambient_light(lights[light], material);
@@ -1072,7 +1072,7 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
             behind_t = 0.0;
             passed = 0u;
             if lights[light].casts_shadows == 0u {
-                // Nothing is before it.
+                // Nothing can block it.
                 before = 0.0;
             }
         }
@@ -1080,8 +1080,8 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
     return out;
 }
 
-// True if loops have been cut. A driver may end all loops of an invocation once it has gone through so many rounds, also
-// those of this one: lavapipe does after 65,535.
+// Returns true if loops have been cut short. A driver may end all loops of an invocation after a maximum number of
+// iterations, including those of this function: lavapipe does after 65,535.
 fn is_cut() -> bool {
     let rounds = 3u * trace.one;
     var passed = 0u;
@@ -1104,10 +1104,10 @@ fn trace_scene(@builtin(global_invocation_id) at: vec3u) {
     }
     is_marked = false;
     let light = sample_light(pixel, trace.sample);
-    // Not true for what is no number.
+    // False for NaN.
     let is_light = all(light >= vec3f(0.0)) && all(light < vec3f(ENDLESS));
     if is_marked || !is_light || is_cut() {
-        // Bits as a number: their pattern could be none.
+        // The bits as a number: their pattern could be a NaN.
         sum.w += f32(trace.bit);
     } else {
         sum += vec4f(light, 0.0);

@@ -1,6 +1,6 @@
-// The part of the pass of traced pictures for faces whose attributes are expressions: their numbers at a place, as
-// crates/geometry/src/solids/look.rs has them. A number that f32 does not know well enough, or that is out of its range,
-// marks the sample.
+// The part of the pass of traced pictures for faces whose attributes are expressions: the numbers at a point, as in
+// crates/geometry/src/solids/look.rs. A number that f32 does not determine well enough, or that is out of its range, marks
+// the sample.
 //
 // The words of a list in one coordinate system: its number, the number of its attributes, flags, the number of its words;
 // the rows of the map into its coordinates; its attributes; its numbers.
@@ -18,7 +18,7 @@ const VARIED_SHININESS: u32 = 5u;
 const VARIED_BUMP: u32 = 6u;
 
 const MOST_ATTRIBUTES: u32 = 16u;
-// Numbers are known to within this: half of a step of a byte.
+// The maximum error of numbers: half a step of a byte.
 const ATTRIBUTE_ERROR: f32 = 2e-3;
 
 var<private> attributes: array<vec2f, MOST_ATTRIBUTES>;
@@ -27,7 +27,7 @@ fn store_attribute(index: u32, number: Range) {
     attributes[index] = number.value;
 }
 
-// A coordinate of a place that is known to within `slack`.
+// Returns a coordinate of a point that is known to within `slack`.
 fn placed(row: vec4f, place: vec3f, slack: f32) -> Range {
     let parts = vec4f(row.xyz * place, row.w);
     let error = slack * length(row.xyz) + RANGE_ROUNDING * dot(abs(parts), vec4f(1.0));
@@ -42,7 +42,7 @@ fn list_row(list: u32, row: u32) -> vec4f {
     );
 }
 
-// A number in its range; what is out of it, and noted, is left to f64.
+// Returns a number in its range; a number that is out of range or too uncertain marks the sample.
 fn settled(range: vec2f, least: f32, most: f32, error: f32) -> f32 {
     if !(range.y - range.x <= 2.0 * error) || range.y < least || range.x > most {
         is_marked = true;
