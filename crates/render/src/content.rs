@@ -72,7 +72,7 @@ impl Structure {
         }
     }
 
-    /// Its words.
+    /// Returns its words.
     pub(crate) fn words(&self) -> &Arc<[u64]> {
         &self.words
     }
@@ -194,7 +194,7 @@ impl Structures {
     }
 }
 
-/// The content of the first instance of an object; `None` if the scene has no such object.
+/// Returns the content of the first instance of an object; `None` if the scene has no such object.
 pub(crate) fn first_instance(
     scene: &Scene,
     params: &ParamValues,

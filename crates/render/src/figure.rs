@@ -18,7 +18,7 @@ impl FigureKind {
     /// All kinds, in the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::Place, Self::Distance, Self::Circle, Self::Triangle];
 
-    /// Its name on the command line.
+    /// Returns its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Place => "place",

@@ -40,7 +40,7 @@ pub enum PictureMethod {
 }
 
 impl PictureMethod {
-    /// Its name on the command line.
+    /// Returns its name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",

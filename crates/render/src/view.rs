@@ -341,7 +341,7 @@ impl Views {
         self.iter().find(|view| view.name() == name)
     }
 
-    /// All views.
+    /// Returns all views.
     pub fn iter(&self) -> impl Iterator<Item = &dyn View> {
         self.0.iter().map(|view| &**view)
     }

@@ -47,7 +47,7 @@ impl BoundingBox {
         (self.is_empty() || self.lower.is_finite() && self.upper.is_finite()).then_some(self)
     }
 
-    /// True if it contains no point.
+    /// Returns true if it contains no point.
     pub fn is_empty(&self) -> bool {
         !self.lower.cmple(self.upper).all()
     }

@@ -113,7 +113,7 @@ impl PolynomialSurface {
         }
     }
 
-    /// The polynomial at `point` + s·`direction`, in s.
+    /// Returns the polynomial at `point` + s·`direction`, in s.
     pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
         let mut sum = [0.0; LARGEST_DEGREE + 1];
         let terms = match &self.form {
@@ -140,7 +140,7 @@ impl PolynomialSurface {
         sum
     }
 
-    /// The gradient at a point.
+    /// Returns the gradient at a point.
     pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
         match &self.form {
             SurfaceForm::Low(form) => form.gradient(at),
@@ -169,7 +169,7 @@ impl PolynomialSurface {
 }
 
 impl QuadraticForm {
-    /// The polynomial at `point` + s·`direction`, in s.
+    /// Returns the polynomial at `point` + s·`direction`, in s.
     #[inline]
     pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> [f64; 3] {
         let (p, d) = (point, direction);
@@ -197,7 +197,7 @@ impl QuadraticForm {
         }
     }
 
-    /// The gradient at a point.
+    /// Returns the gradient at a point.
     #[inline]
     pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
         match self {

@@ -170,7 +170,7 @@ impl PlacedSolidCamera {
         self.size
     }
 
-    /// The solid that it is on.
+    /// Returns the solid that it is on.
     pub fn solid(&self) -> &SolidSurface {
         &self.solid
     }

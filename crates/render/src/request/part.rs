@@ -181,7 +181,7 @@ impl ViewPart {
         self.0.object()
     }
 
-    /// The options that all views in space have; `None` for another view.
+    /// Returns the options that all views in space have; `None` for another view.
     pub fn space(&self) -> Option<&SpaceOptions> {
         self.0.space()
     }
