@@ -504,7 +504,7 @@ test(":help geotrace opens the manual, and its links lead somewhere", function()
   vim.fn.writefile(vim.fn.readfile(root .. "/editors/neovim/doc/geotrace.txt"), folder .. "/doc/geotrace.txt")
   vim.cmd.helptags(folder .. "/doc")
   vim.opt.runtimepath:append(folder)
-  for _, tag in ipairs({ "geotrace", ":GeotracePreview", "geotrace-setup" }) do
+  for _, tag in ipairs({ "geotrace", ":GeotracePreview", ":GeotraceRestart", "geotrace-setup" }) do
     vim.cmd.help(tag)
     equal(vim.fn.expand("%:t"), "geotrace.txt", tag)
     vim.cmd.close()
@@ -514,27 +514,109 @@ test(":help geotrace opens the manual, and its links lead somewhere", function()
   end
 end)
 
-test("restarting gives a new server and the diagnostics again", function()
-  local repository = scratch .. "/repository"
+-- The one diagnostic of the current buffer comes, and it is of the server that runs now.
+local function expect_new_diagnostic()
+  local client = eventually("another server", function()
+    local found = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })
+    return #found == 1 and found[1].initialized and found[1]
+  end)
+  local of_client = "lsp%.geotrace%." .. client.id .. "%f[%D]"
+  eventually("a diagnostic of the new server", function()
+    return vim.iter(diagnostics()):any(function(it)
+      return vim.diagnostic.get_namespace(it.namespace).name:find(of_client)
+    end)
+  end)
+  vim.wait(300)
+  equal(#diagnostics(), 1, "the number of diagnostics")
+  return client
+end
+
+-- Opens a program with a mistake in a repository of its own, whose server answers after `delay` milliseconds.
+local function open_repository(name, delay)
+  local repository = ("%s/%s"):format(scratch, name)
   vim.fn.mkdir(repository .. "/.git", "p")
   vim.fn.writefile({ "define b = sinn 2;" }, repository .. "/a.gtr")
+  vim.lsp.config("geotrace", {
+    cmd = function(dispatchers)
+      local server = vim.lsp.rpc.start({ "geotrace", "lsp" }, dispatchers)
+      local ask = server.request
+      server.request = function(method, params, answered, ...)
+        return ask(method, params, function(...)
+          local given = { ... }
+          vim.defer_fn(function()
+            answered(unpack(given, 1, 2))
+          end, delay)
+        end, ...)
+      end
+      return server
+    end,
+  })
   vim.cmd.edit(repository .. "/a.gtr")
-  eventually("the server", function()
-    return #vim.lsp.get_clients({ bufnr = 0, name = "geotrace" }) == 1
+  return eventually("the server", function()
+    return vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
   end)
-  local before = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
-  local first = before.id
-  assert(before.root_dir, "no folder with the marker")
+end
+
+test("restarting gives a new server and its diagnostics, and takes back those that the old one still tells", function()
+  -- A server without a folder, whose buffers the others do not have.
+  open("define a = 1;")
+  local noted, notify = {}, vim.notify
+  vim.notify = function(message)
+    table.insert(noted, message)
+  end
+  for delay = 0, 200, 100 do
+    -- The client is there as soon as it has asked for diagnostics, before they are answered.
+    local before = open_repository("repository" .. delay, delay)
+    vim.cmd.GeotraceRestart()
+    local after = expect_new_diagnostic()
+    assert(after.id ~= before.id, "the same server")
+    assert(before.root_dir, "no folder with the marker")
+    equal(after.root_dir, before.root_dir, "the folder")
+  end
+  vim.notify = notify
+  equal(noted, {}, "what was said")
+end)
+
+test("restarting starts a server where it has crashed, or has not begun to answer", function()
+  local crashed = open_repository("crashed", 0)
+  crashed.rpc.terminate()
+  eventually("its end", function()
+    return vim.lsp.get_client_by_id(crashed.id) == nil
+  end)
   vim.cmd.GeotraceRestart()
-  eventually("another server", function()
-    local client = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
-    return client and client.id ~= first and client.initialized
+  expect_new_diagnostic()
+  vim.fn.writefile({ "define b = cosn 2;" }, scratch .. "/crashed/.git/b.gtr")
+  vim.cmd.edit(scratch .. "/crashed/.git/b.gtr")
+  vim.cmd.GeotraceRestart()
+  expect_new_diagnostic()
+end)
+
+test("the server is told the cursor of the window that it moves in", function()
+  local buffer = open("define a = 1;\ndefine b = 2;\ndefine c = 3;")
+  local client, told = vim.lsp.get_clients({ bufnr = buffer, name = "geotrace" })[1], {}
+  local notify = client.notify
+  client.notify = function(self, method, params)
+    if method == "geotrace/cursor" then
+      table.insert(told, params.position.line)
+    end
+    return notify(self, method, params)
+  end
+  vim.cmd("split | wincmd j")
+  vim.api.nvim_win_set_cursor(0, { 3, 0 })
+  vim.cmd.doautocmd("CursorMoved")
+  eventually("the cursor", function()
+    return #told > 0
   end)
-  local after = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
-  equal(after.root_dir, before.root_dir, "the folder")
-  eventually("a diagnostic", function()
-    return #diagnostics() == 1
-  end)
+  client.notify = nil
+  vim.cmd.close()
+  equal(told, { 2 })
+end)
+
+test("the health check bears a server that a function connects to", function()
+  vim.lsp.config("geotrace", { cmd = function() end })
+  vim.cmd("checkhealth geotrace")
+  local report = text()
+  assert(report:find("function", 1, true) and not report:find("ERROR", 1, true), report)
 end)
 
 suite:finish()

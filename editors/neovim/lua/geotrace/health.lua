@@ -19,7 +19,23 @@ function M.check()
   if vim.lsp.is_enabled and not vim.lsp.is_enabled("geotrace") then
     health.warn("the server is not enabled", 'add vim.lsp.enable("geotrace") to your configuration')
   end
-  local program = config.cmd[1]
+  M.check_program(config.cmd)
+  local running = vim.lsp.get_clients({ name = "geotrace" })
+  if #running > 0 then
+    health.ok(("%d server running, position encoding %s"):format(#running, running[1].offset_encoding))
+  else
+    health.info("no server runs: open a .gtr file")
+  end
+end
+
+-- Whether the program is there, in the version that this plugin is made for.
+function M.check_program(cmd)
+  local health = vim.health
+  if type(cmd) == "function" then
+    health.info("a function of your configuration connects to the server, so its version is not checked")
+    return
+  end
+  local program = cmd[1]
   if vim.fn.executable(program) == 0 then
     health.error(
       ("the program %s was not found"):format(program),
@@ -38,12 +54,6 @@ function M.check()
     )
   else
     health.ok(("%s, version %s"):format(vim.fn.exepath(program), version))
-  end
-  local running = vim.lsp.get_clients({ name = "geotrace" })
-  if #running > 0 then
-    health.ok(("%d server running, position encoding %s"):format(#running, running[1].offset_encoding))
-  else
-    health.info("no server runs: open a .gtr file")
   end
 end
 

@@ -67,7 +67,11 @@ function M.follow_cursor(buffer)
   local function tell()
     waiting = false
     local running = vim.api.nvim_buf_is_loaded(buffer) and client(buffer)
-    local window = vim.fn.bufwinid(buffer)
+    -- A buffer may be in several windows: the cursor that moved is that of the current one.
+    local window = vim.api.nvim_get_current_win()
+    if vim.api.nvim_win_get_buf(window) ~= buffer then
+      window = vim.fn.bufwinid(buffer)
+    end
     if running and window ~= -1 then
       tell_cursor(running, window)
     end
@@ -84,28 +88,43 @@ function M.follow_cursor(buffer)
   })
 end
 
--- Restarts the server for all Geotrace buffers.
+-- Restarts the server for all Geotrace buffers; starts one where it has ended by itself.
 function M.restart()
-  local running = vim.lsp.get_clients({ name = "geotrace" })
-  local buffers = {}
+  local running = vim.lsp.get_clients({ name = "geotrace", _uninitialized = true })
+  local old = {}
   for _, each in ipairs(running) do
-    for buffer in pairs(each.attached_buffers) do
-      buffers[buffer] = true
-    end
+    old[tostring(each.id)] = true
     -- A server that is shutting down answers nothing: the buffers must not ask it any more.
-    for buffer in pairs(buffers) do
+    for _, buffer in ipairs(vim.tbl_keys(each.attached_buffers)) do
       vim.lsp.buf_detach_client(buffer, each.id)
     end
     each:stop()
   end
-  vim.wait(3000, function()
-    return #vim.lsp.get_clients({ name = "geotrace" }) == 0
-  end, 20)
+  local function have_ended()
+    return vim.iter(running):all(function(each)
+      return vim.lsp.get_client_by_id(each.id) == nil
+    end)
+  end
+  if not vim.wait(3000, have_ended, 20) then
+    for _, each in ipairs(running) do
+      each:stop(true)
+    end
+    vim.wait(1000, have_ended, 20)
+  end
+  -- An answer about diagnostics that came after its buffer was detached: Neovim would show it for ever.
+  for namespace, it in pairs(vim.diagnostic.get_namespaces()) do
+    if old[it.name:match("lsp%.geotrace%.(%d+)")] then
+      vim.diagnostic.reset(namespace)
+    end
+  end
   local config = vim.lsp.config.geotrace
-  for buffer in pairs(buffers) do
-    -- The markers alone are read by `vim.lsp.enable` only.
-    local root = vim.fs.root(buffer, config.root_markers or {})
-    vim.lsp.start(vim.tbl_extend("force", config, { root_dir = root }), { bufnr = buffer })
+  for _, buffer in ipairs(vim.api.nvim_list_bufs()) do
+    local is_ours = vim.api.nvim_buf_is_loaded(buffer) and vim.tbl_contains(config.filetypes, vim.bo[buffer].filetype)
+    if is_ours and vim.bo[buffer].buftype == "" then
+      -- The markers alone are read by `vim.lsp.enable` only.
+      local root = vim.fs.root(buffer, config.root_markers or {})
+      vim.lsp.start(vim.tbl_extend("force", config, { root_dir = root }), { bufnr = buffer })
+    end
   end
 end
 
