@@ -64,13 +64,18 @@ export class Sliders {
             set(range.valueAsNumber);
             number.value = written(range.valueAsNumber);
         });
-        range.addEventListener("change", () => this.core.tell("release", {}));
+        // Steps by keys are one until the key is released, as those of a drag are.
+        for (const event of ["change", "keyup", "blur"]) {
+            range.addEventListener(event, () => this.core.tell("release", {}));
+        }
+        /** What was chosen last, which the scene may not have yet. */
+        const chosen = () => (isOn ? undefined : this.core.settings.params?.[name]?.[at]) ?? undefined;
         // The keys of a slider: a hundredth of its range, not of its step.
         range.addEventListener("keydown", (event) => {
             const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
             if (by !== undefined) {
                 event.preventDefault();
-                range.valueAsNumber += (by * (max - min)) / 100;
+                range.valueAsNumber = (chosen() ?? range.valueAsNumber) + (by * (max - min)) / 100;
                 range.dispatchEvent(new Event("input"));
             }
         });
@@ -102,8 +107,12 @@ export class Sliders {
         const { write } = this;
         const into = write && button(`Write ${title} into the program`, () => write(name), { icon: "code", text: false });
         this.rows.set(`${name} ${at}`, ({ value, initial }) => {
-            range.valueAsNumber = value;
-            if (document.activeElement !== number) {
+            const focused = (range.getRootNode() as Document | ShadowRoot).activeElement;
+            // A scene that is older than the last key must not put the slider back.
+            if (focused !== range || (chosen() ?? value) === value) {
+                range.valueAsNumber = value;
+            }
+            if (focused !== number) {
                 number.value = written(value);
             }
             if (into !== undefined) {

@@ -150,6 +150,33 @@ test("a slider changes both pictures, and its value can be written into the text
     await state.close(page);
 });
 
+test("quick keys on a slider all count, and those of one press are one step", async () => {
+    const page = await state.open(link(SPHERE));
+    const slider = page.getByRole("slider", { name: "r" });
+    const is = (value) => page.waitForFunction((wanted) => Math.abs(document.querySelector("input[type=range]").valueAsNumber - wanted) < 1e-9, value);
+    await slider.focus();
+    for (let k = 0; k < 20; k += 1) {
+        await page.keyboard.press("ArrowRight");
+        await page.waitForTimeout(k % 5);
+    }
+    assert.equal((await slider.evaluate((it) => it.valueAsNumber)).toFixed(4), "1.3000");
+    await settled(page);
+    await page.waitForTimeout(300);
+    await is(1.3);
+    // Held down, it is a step.
+    for (let k = 0; k < 3; k += 1) {
+        await page.keyboard.down("ArrowLeft");
+    }
+    await page.keyboard.up("ArrowLeft");
+    await is(1.255);
+    await page.locator('[data-view="3d"] canvas').focus();
+    await page.keyboard.press("ControlOrMeta+z");
+    await is(1.3);
+    await page.keyboard.press("ControlOrMeta+z");
+    await is(1.285);
+    await state.close(page);
+});
+
 test("the settings are reset, and put back unless another program is open", async () => {
     const page = await state.open(link(SPHERE));
     const value = page.getByRole("textbox", { name: "Value of r" });
