@@ -32,12 +32,14 @@ p { margin: 0; }
 const LANGUAGE = /\.(gtr|crt)(?=$|[?#])/i;
 
 class GeotraceView extends HTMLElement {
-    static readonly observedAttributes = ["src", "view", "controls", "language"];
+    static readonly observedAttributes = ["src", "view", "controls", "language", "theme"];
     private core: Core | undefined;
     private pane: Pane | undefined;
     private sliders: Sliders | undefined;
     private scene: Scene | undefined;
     private version = 0;
+    /** What is wrong with the program, and with the view that is asked of it. */
+    private readonly problems: { program?: string | undefined; view?: string | undefined } = {};
     private readonly message = make("p", { class: "message", role: "alert", hidden: true });
     private readonly near = new IntersectionObserver(
         (entries) => {
@@ -77,6 +79,8 @@ class GeotraceView extends HTMLElement {
         }
         if (name === "src" || name === "language") {
             void this.open();
+        } else if (name === "theme") {
+            this.setTheme();
         } else if (name === "view") {
             this.core.change({ preferences: { traced: this.isTraced } });
             this.see(this.scene);
@@ -99,14 +103,18 @@ class GeotraceView extends HTMLElement {
         this.core = new Core(startWorker, {
             findings: ({ findings }) => {
                 const error = findings.find((it) => it.severity === "error");
-                this.say(error && `${error.message}${error.hint === null ? "" : `\n${error.hint}`}`);
+                this.problems.program = error && `${error.message}${error.hint === null ? "" : `\n${error.hint}`}`;
+                this.say();
             },
             scene: (scene) => this.see(scene),
             settings: () => this.see(this.scene),
             picture: (picture) => this.pane?.show(picture),
             noPicture: ({ message }) => this.pane?.refuse(message),
             busy: ({ isBusy }) => this.pane?.setBusy(isBusy),
-            lost: (why, isBack) => this.say(isBack ? undefined : `This program cannot be shown: ${why}.`),
+            lost: (why, isBack) => {
+                this.problems.program = isBack ? undefined : `This program cannot be shown: ${why}.`;
+                this.say();
+            },
         });
         this.sliders = new Sliders(this.core);
         this.setTheme();
@@ -143,7 +151,8 @@ class GeotraceView extends HTMLElement {
             await core.open({ name, text: text.replaceAll(/\r\n?/g, "\n"), version }, settings);
         } catch (error) {
             if (isWanted()) {
-                this.say((error as Error).message);
+                this.problems.program = (error as Error).message;
+                this.say();
             }
         }
     }
@@ -160,6 +169,8 @@ class GeotraceView extends HTMLElement {
             this.say(`There is no view ${this.view}. The views are ${names}.`);
             return;
         }
+        this.problems.view = undefined;
+        this.say();
         if (this.pane?.info.id !== info.id) {
             this.pane?.end();
             this.pane = this.makePane(core, info);
@@ -206,9 +217,13 @@ class GeotraceView extends HTMLElement {
         this.core?.tell("light", { isLight: this.dataset["theme"] !== "dark" });
     }
 
-    private say(message: string | undefined): void {
+    private say(): void {
+        const message = this.problems.program ?? this.problems.view;
         this.message.hidden = message === undefined;
-        this.message.textContent = message ?? "";
+        // What stands there already is not read out once more.
+        if (this.message.textContent !== (message ?? "")) {
+            this.message.textContent = message ?? "";
+        }
     }
 }
 

@@ -74,6 +74,17 @@ test("an element that is removed ends its Worker, and its view can be changed", 
     await page.waitForFunction(() =>
         document.getElementById("space").shadowRoot.querySelector('.view[data-view="geodesic:s"][data-exact=true]'),
     );
+    const set = (name, value) => page.evaluate((all) => document.getElementById("space").setAttribute(...all), [name, value]);
+    const says = (pattern) =>
+        page.waitForFunction((it) => new RegExp(it).test(document.getElementById("space").shadowRoot.querySelector(".message").textContent), pattern);
+    await set("view", "geodesic:none");
+    await says("^There is no view geodesic:none");
+    await set("view", "3d");
+    await says("^$");
+    await set("theme", "dark");
+    await page.waitForFunction(() => document.getElementById("space").dataset.theme === "dark");
+    await set("theme", "light");
+    await page.waitForFunction(() => document.getElementById("space").dataset.theme === "light");
     const workers = page.workers().length;
     await page.evaluate(() => document.getElementById("space").remove());
     await page.waitForTimeout(300);
