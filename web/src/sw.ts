@@ -5,7 +5,8 @@
 // files of two versions.
 //
 // It also lets the page's Workers share memory, for threads, which takes two headers that a host of static files need not
-// know. So a page has threads from its second visit on.
+// know. So a page has threads from its second visit on. Other pages of the folder, which show images of other hosts, go as
+// they came.
 
 declare const FILES: string[];
 /** Files that not every browser asks for: they are kept once they were used. */
@@ -26,7 +27,8 @@ interface Fetch extends Extendable {
 }
 
 const scope = globalThis as unknown as Scope;
-const PREFIX = "geotrace-";
+/** A copy of the page in another folder has caches of its own. */
+const PREFIX = `geotrace-${new URL("./", location.href).pathname}-`;
 
 scope.addEventListener("install", (event: Extendable) => {
     const fill = async () => {
@@ -67,8 +69,12 @@ scope.addEventListener("fetch", (event: Fetch) => {
         const wanted = url.pathname === own.pathname ? new URL("index.html", own).href : request.url;
         const kept = await cache.match(wanted, { ignoreSearch: true });
         const response = kept ?? (await fetch(request));
-        if (kept === undefined && response.ok && LATER.some((file) => new URL(file, own).href === url.href)) {
+        const isLater = LATER.some((file) => new URL(file, own).href === url.href);
+        if (kept === undefined && response.ok && isLater) {
             await cache.put(url.href, response.clone());
+        }
+        if (kept === undefined && !isLater) {
+            return response;
         }
         // Other files need no headers, and browsers keep what they have compiled of a response only as it came.
         return ["document", "iframe", "worker"].includes(request.destination) ? isolated(response) : response;

@@ -73,11 +73,47 @@ test("a new version is offered, and takes the place of the old one", async () =>
     await page.reload();
     assert.doesNotMatch(await page.content(), /Next/, "the old version stays until the reader says so");
     await page.locator(".toast", { hasText: "newer version" }).getByRole("button", { name: "Reload" }).click();
-    await page.waitForFunction(async () => (await caches.keys()).join() === "geotrace-next");
+    await page.waitForFunction(async () => (await caches.keys()).join() === "geotrace-/-next");
     await settled(page);
     assert.match(await (await fetch(server.url)).text(), /Next/);
     const shown = await page.evaluate(async () => (await fetch("./")).text());
     assert.match(shown, /Next/);
+    await context.close();
+    await server.close();
+    rmSync(folder, { recursive: true });
+});
+
+test("copies of the page in two folders work without a network, and other pages there go as they came", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "geotrace-page-"));
+    for (const name of ["one", "two"]) {
+        cpSync(dist, join(folder, name), { recursive: true });
+    }
+    const script = join(folder, "two", "sw.js");
+    writeFileSync(script, readFileSync(script, "utf8").replace(/VERSION = "\w+"/, 'VERSION = "next"'));
+    writeFileSync(join(folder, "one", "lecture.html"), "<!doctype html><title>A lecture</title>");
+    const server = await serve(folder);
+    const context = await state.browser.newContext();
+    const page = await context.newPage();
+    for (const name of ["one/", "two/"]) {
+        await page.goto(server.url + name + link(SPHERE));
+        await settled(page);
+        await page.evaluate(async () => {
+            const { active } = await navigator.serviceWorker.ready;
+            while (active.state !== "activated") {
+                await new Promise((resolve) => setTimeout(resolve, 50));
+            }
+        });
+    }
+    const isolated = async (path) => {
+        await page.goto(server.url + path);
+        return page.evaluate(() => crossOriginIsolated);
+    };
+    assert.deepEqual([await isolated("one/"), await isolated("one/lecture.html")], [true, false]);
+    await context.setOffline(true);
+    for (const name of ["one/", "two/"]) {
+        await page.goto(server.url + name + link(SPHERE));
+        await settled(page);
+    }
     await context.close();
     await server.close();
     rmSync(folder, { recursive: true });
