@@ -170,6 +170,11 @@ export class Pane {
 
     /** Says why there is no picture. */
     refuse(message: string): void {
+        if (this.pending !== undefined) {
+            // It waits for its frame, and would be drawn over the sentence. The Worker waits until it is taken.
+            this.pending = undefined;
+            this.core.tell("shown", { view: this.info.id });
+        }
         this.notice.replaceChildren(make("p", {}, inline(message)));
         this.canvas.style.visibility = "hidden";
         this.picture = undefined;
