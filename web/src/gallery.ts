@@ -74,7 +74,9 @@ const VIEW_KEYS: [string, string, string][] = [
     ["R", "reset the camera", "reset the camera"],
     ["click, Enter", "put the geodesic camera there", ""],
     ["double click, Ctrl+Enter", "show the declaration", "show the declaration"],
-    ["F6", "the next view", "the next view"],
+    ["M", "measure", "measure"],
+    ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo", "undo, redo"],
+    ["F6, Shift+F6", "the next view, the one before", "the next view, the one before"],
 ];
 
 /** Shows the language on one page, and all keys. */
