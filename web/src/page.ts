@@ -99,10 +99,13 @@ export class Page {
 
     /** Opens what the link says, else what was open before, else the first program. */
     async begin(): Promise<void> {
+        const kept = store.current();
         if (await this.followLink()) {
+            if (kept !== undefined && kept.text !== this.editor.text) {
+                store.remember(kept);
+            }
             return;
         }
-        const kept = store.current();
         if (kept !== undefined) {
             this.open(kept, true);
             return;
@@ -122,9 +125,14 @@ export class Page {
         this.name.value = program.name;
         this.editor.open(program.text);
         this.closeWelcome(false);
-        document.title = `${program.name} – Geotrace`;
+        this.read(program);
+    }
+
+    /** Hands the core a program whose text is in the editor. */
+    private read({ name, text, settings }: store.Kept): void {
+        document.title = `${name} – Geotrace`;
         const { version } = this.editor;
-        this.core.open({ name: program.name, text: program.text, version }, program.settings ?? {}).then(
+        this.core.open({ name, text, version }, settings ?? {}).then(
             ({ lineComment }) => {
                 this.editor.setLineComment(lineComment);
                 this.editor.view.dispatch({ effects: recolour.of(null) });
@@ -483,11 +491,11 @@ export class Page {
             this.name.value = this.fileName;
             // The extension says the language.
             if (before.slice(-4) !== this.fileName.slice(-4)) {
-                const { text } = this.editor;
-                this.open({ name: this.fileName, text, settings: this.core.settings }, this.isOwn);
+                this.read(this.kept());
+            } else {
+                document.title = `${this.fileName} – Geotrace`;
+                this.keep();
             }
-            document.title = `${this.fileName} – Geotrace`;
-            this.keep();
         });
         matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.setTheme());
         addEventListener("hashchange", () => void this.followLink());

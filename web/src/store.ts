@@ -7,6 +7,8 @@ export interface Kept {
     name: string;
     text: string;
     settings?: Settings;
+    /** The tab that had it open when another one took its place. */
+    tab?: string;
 }
 
 const CURRENT = "geotrace.program";
@@ -38,22 +40,32 @@ function write(storage: () => Storage, key: string, value: unknown): boolean {
 const session = () => sessionStorage;
 const local = () => localStorage;
 
+const tab = Math.random().toString(36).slice(2);
+
+function isProgram(kept: Kept | undefined): kept is Kept {
+    return typeof kept?.name === "string" && typeof kept.text === "string";
+}
+
 /** The program of this tab, else of the tab that was used last. */
 export function current(): Kept | undefined {
     const kept = read<Kept>(session, CURRENT) ?? read<Kept>(local, CURRENT);
-    return typeof kept?.name === "string" && typeof kept.text === "string" ? kept : undefined;
+    return isProgram(kept) ? kept : undefined;
 }
 
-/** Keeps the program of this tab; returns false if there is no room for it. */
+/** Keeps the program of this tab; returns false if there is no room for it. That of another tab is remembered. */
 export function keep(program: Kept): boolean {
     const isKept = write(session, CURRENT, program);
-    return write(local, CURRENT, program) || isKept;
+    const last = read<Kept>(local, CURRENT);
+    if (isProgram(last) && last.tab !== tab && last.text !== program.text) {
+        remember(last);
+    }
+    return write(local, CURRENT, { ...program, tab }) || isKept;
 }
 
 /** The programs that were open before, the last one first. */
 export function recent(): Kept[] {
     const list = read<Kept[]>(local, RECENT);
-    return Array.isArray(list) ? list.filter((it) => typeof it?.name === "string" && typeof it.text === "string") : [];
+    return Array.isArray(list) ? list.filter(isProgram) : [];
 }
 
 /** Adds a program to those that were open before. */
@@ -61,7 +73,9 @@ export function remember(program: Kept): void {
     if (program.text.trim() === "" || program.text.length > LONGEST) {
         return;
     }
-    const others = recent().filter((it) => it.text !== program.text);
+    // Tabs that are used in turn leave one program each, as it was last.
+    const isSame = (it: Kept) => it.text === program.text || (it.tab !== undefined && it.tab === program.tab && it.name === program.name);
+    const others = recent().filter((it) => !isSame(it));
     let list = [program, ...others].slice(0, MOST);
     while (list.length > 0 && !write(local, RECENT, list)) {
         list = list.slice(0, -1);

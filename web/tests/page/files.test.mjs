@@ -108,6 +108,56 @@ test("what was typed is there after a reload, and a link does not take it away",
     await state.close(page);
 });
 
+/** The programs that were open before, as the browser has them. */
+const recent = (page) => page.evaluate(() => JSON.parse(localStorage["geotrace.recent"] ?? "[]").map((it) => it.text));
+
+test("a link or a program in another tab takes nothing away of what was typed", async () => {
+    const first = await state.open();
+    const context = first.context();
+    await write(first, "point p = (1, 2, 3);");
+    await first.close({ runBeforeUnload: true });
+    const linked = await context.newPage();
+    await linked.goto(state.server.url + link(SPHERE, undefined, "linked.gtr"));
+    await settled(linked);
+    assert.deepEqual(await recent(linked), ["point p = (1, 2, 3);"]);
+    // Two tabs in turn leave their last texts, and none of those before.
+    const other = await context.newPage();
+    await other.goto(state.server.url);
+    await settled(other);
+    for (const number of [4, 5, 6]) {
+        for (const [page, axis] of [[linked, "x"], [other, "y"]]) {
+            await page.bringToFront();
+            await write(page, `define ${axis} = ${number};`);
+            await page.waitForTimeout(600);
+        }
+    }
+    await other.close({ runBeforeUnload: true });
+    await linked.close({ runBeforeUnload: true });
+    const last = await context.newPage();
+    await last.goto(state.server.url);
+    await last.waitForFunction(() => document.querySelector(".cm-content").textContent.startsWith("define"));
+    const kept = [await text(last), ...(await recent(last))].filter((it) => it.startsWith("define"));
+    assert.ok(kept.includes("define x = 6;") && kept.includes("define y = 6;"), kept.join());
+    assert.ok(kept.length <= 3, kept.join());
+    await context.close();
+});
+
+test("another name keeps what can be undone, and remembers nothing under it", async () => {
+    const page = await state.open(link("ball = 1;", undefined, "test.gtr"));
+    await page.locator(".cm-content").click();
+    await page.keyboard.press("ControlOrMeta+End");
+    await page.keyboard.type(" # more");
+    const name = page.locator(".head .name");
+    await name.fill("test.crt");
+    await name.press("Enter");
+    await page.waitForFunction(() => document.title.startsWith("test.crt"));
+    await page.locator(".cm-content").click();
+    await page.keyboard.press("ControlOrMeta+z");
+    await page.waitForFunction(() => document.querySelector(".cm-content").textContent === "ball = 1;");
+    assert.deepEqual(await recent(page), []);
+    await state.close(page);
+});
+
 test("on a phone a program that was open before takes the place of a link", async () => {
     const page = await state.open("", { isPhone: true });
     await page.locator(".bottom").getByRole("tab", { name: "Program" }).tap();
