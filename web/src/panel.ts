@@ -70,6 +70,8 @@ class Panel {
     private scene: Scene | undefined;
     private text = "";
     private version = 0;
+    /** The name of the program that is open. */
+    private name: string | undefined;
     private stem = "geotrace";
 
     constructor(root: HTMLElement, start: () => Worker) {
@@ -126,7 +128,14 @@ class Panel {
 
     private hear(told: Told): void {
         switch (told.told) {
-            case "open":
+            case "open": {
+                if (this.name === told.name) {
+                    // The extension tells all of a text whose places are not the editor's: pictures and settings stay.
+                    const changes = difference(this.text, told.text);
+                    this.hear({ told: "edit", version: told.version, changes });
+                    return;
+                }
+                this.name = told.name;
                 this.text = told.text;
                 this.version = told.version;
                 this.stem = told.name.replace(/\.(gtr|crt)$/, "");
@@ -135,6 +144,7 @@ class Panel {
                     await this.core.open({ name, text, version }, host.getState()?.settings ?? {});
                 });
                 return;
+            }
             case "edit":
                 this.version = told.version;
                 this.text = changed(this.text, told.changes);
@@ -187,6 +197,20 @@ function changed(text: string, changes: TextEdit[]): string {
         at = to;
     }
     return result + text.slice(at);
+}
+
+/** The edit that makes one text of another: all between what they have in common at both ends. */
+function difference(before: string, after: string): TextEdit[] {
+    let from = 0;
+    const shorter = Math.min(before.length, after.length);
+    while (from < shorter && before[from] === after[from]) {
+        from += 1;
+    }
+    let end = 0;
+    while (end < shorter - from && before[before.length - 1 - end] === after[after.length - 1 - end]) {
+        end += 1;
+    }
+    return [{ from, to: before.length - end, insert: after.slice(from, after.length - end) }];
 }
 
 async function begin(): Promise<void> {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { launch, settled } from "./browser.mjs";
-import { changed, dist, middle, picture, SPHERE } from "./harness.mjs";
+import { changed, dist, middle, picture, rest, SPHERE } from "./harness.mjs";
 import { serve } from "./serve.mjs";
 
 const HOST = `<!doctype html><title>Host</title>
@@ -57,6 +57,24 @@ test("it shows the program and follows its edits", async () => {
     await tell(page, { told: "edit", version: 2, changes: [{ from: at, to: at, insert: "2" }] });
     await changed(page, before);
     assert.equal((await heard(page, "shown")).version, 2);
+    assert.deepEqual(page.failures, []);
+    await page.close();
+});
+
+test("a text that is told anew is an edit of the one that is open", async () => {
+    const page = await open(SPHERE);
+    await page.getByRole("textbox", { name: "Value of r" }).fill("1.25");
+    await page.keyboard.press("Enter");
+    const before = await rest(page);
+    await tell(page, { told: "open", name: "test.gtr", text: `x${SPHERE}`, version: 2 });
+    await page.waitForTimeout(1000);
+    assert.ok((await picture(page)).colours > 50, "a mistake keeps the picture");
+    assert.equal(await page.locator('[data-view="geodesic:s"]').count(), 1);
+    assert.equal(await page.getByRole("slider", { name: "r" }).count(), 1);
+    await tell(page, { told: "open", name: "test.gtr", text: SPHERE.replace("r cos(v))", "2r cos(v))"), version: 3 });
+    await changed(page, before);
+    assert.equal(await page.getByRole("textbox", { name: "Value of r" }).inputValue(), "1.25");
+    assert.equal((await heard(page, "shown")).version, 3);
     assert.deepEqual(page.failures, []);
     await page.close();
 });
