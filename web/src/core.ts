@@ -37,6 +37,8 @@ export type Start = () => Worker;
 const AT_ONCE = 10_000;
 /** A call that takes longer than this, in milliseconds, has met a program that is too much for it. */
 const PATIENCE = 45_000;
+/** Calls that may take as long as they like: the reader waits for a file, and can cancel them. */
+const isLong = (call: CallName) => call === "savePicture" || call === "saveMesh";
 
 /** Merges a patch into a value, as RFC 7396 says. */
 export function merged(value: unknown, patch: unknown): unknown {
@@ -73,6 +75,8 @@ export class Core {
     private isSecond = false;
     private watch: ReturnType<typeof setTimeout> | undefined;
     private waiting = 0;
+    /** How many of the calls that are waited for may take long. */
+    private saving = 0;
     /** The version of the text that findings have come for. */
     private checked = -1;
 
@@ -99,13 +103,26 @@ export class Core {
         if (this.connection === undefined) {
             return Promise.reject(new Error("The program needs more than this page has. Change it to try again."));
         }
+        const saving = isLong(call) ? 1 : 0;
         this.waiting += 1;
+        this.saving += saving;
         this.guard();
         const { connection } = this;
         return connection.call(call, params, transfer).finally(() => {
-            this.waiting = connection === this.connection ? Math.max(0, this.waiting - 1) : this.waiting;
-            this.guard();
+            if (connection === this.connection) {
+                this.waiting -= 1;
+                this.saving -= saving;
+                this.guard();
+            }
         });
+    }
+
+    /** Gives up what the Worker computes: another one takes its place. */
+    cancel(): void {
+        this.end();
+        if (this.program !== undefined) {
+            this.restore(this.program).catch(() => {});
+        }
     }
 
     tell<K extends NoticeName>(notice: K, params: Notices[K]): void {
@@ -164,6 +181,7 @@ export class Core {
     private begin(): void {
         const worker = this.start();
         this.waiting = 0;
+        this.saving = 0;
         this.checked = -1;
         this.ready = 0;
         this.heard = 0;
@@ -217,7 +235,7 @@ export class Core {
     /** Waits for an answer, but not for ever. */
     private guard(): void {
         clearTimeout(this.watch);
-        if (this.connection === undefined) {
+        if (this.connection === undefined || this.saving > 0) {
             return;
         }
         if (this.waiting > 0 || (this.program !== undefined && this.program.version !== this.checked)) {

@@ -103,7 +103,9 @@ function item({ label, keys, press }: MenuEntry, list: HTMLElement): HTMLElement
     return make("button", properties, label, keys !== undefined && make("kbd", {}, keys));
 }
 
+/** It is in the page before there is anything to say: what comes together with its first sentence is not read out. */
 const notices = make("div", { class: "notices", role: "status", "aria-live": "polite" });
+document.body.append(notices);
 
 export interface SayOptions {
     /** It says that something is wrong, and stays. */
@@ -114,11 +116,8 @@ export interface SayOptions {
     stays?: boolean;
 }
 
-/** Says a sentence at the edge of the page. */
-export function say(message: string, { bad = false, action, stays = bad }: SayOptions = {}): void {
-    if (!notices.isConnected) {
-        document.body.append(notices);
-    }
+/** Says a sentence at the edge of the page; what it returns takes it back. */
+export function say(message: string, { bad = false, action, stays = bad || action !== undefined }: SayOptions = {}): () => void {
     // The same sentence stands there once.
     for (const old of [...notices.children]) {
         if (old.querySelector("p")?.textContent === message) {
@@ -135,6 +134,7 @@ export function say(message: string, { bad = false, action, stays = bad }: SayOp
     if (!stays) {
         setTimeout(() => toast.remove(), 5000);
     }
+    return () => toast.remove();
 }
 
 /** Does something that can fail with a sentence, which is said then. */

@@ -4,7 +4,7 @@ import type { Core } from "./core.ts";
 import { attempt, openDialog, say } from "./dialogs.ts";
 import { button, download, make } from "./dom.ts";
 import type { Pane } from "./pane.ts";
-import type { MeshFormat } from "./protocol.ts";
+import type { MeshFormat, SavedFile } from "./protocol.ts";
 
 /** The formats of meshes. */
 export const FORMATS: { format: MeshFormat; label: string }[] = [
@@ -42,8 +42,10 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
         ),
         make("div", { class: "buttons" }, button("Cancel", () => dialog.close(), { kind: "outline" }), save),
     );
+    let isDrawing = false;
     form.addEventListener("submit", (event) => {
         event.preventDefault();
+        isDrawing = true;
         save.disabled = true;
         save.textContent = "Drawing…";
         void attempt(async () => {
@@ -52,23 +54,49 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
                 width: across.valueAsNumber,
                 height: down.valueAsNumber,
             };
-            const file = await core.call("savePicture", request);
-            download(`${stem}-${select.value.replace(":", "-")}.png`, file.bytes, file.type);
-            for (const note of file.notes) {
-                say(note);
-            }
-        }).finally(() => dialog.close());
+            const name = `${stem}-${select.value.replace(":", "-")}.png`;
+            await give(name, core.call("savePicture", request), () => !dialog.isConnected);
+        }).finally(() => {
+            isDrawing = false;
+            dialog.close();
+        });
     });
     const dialog = openDialog("Save a picture", [form]);
+    dialog.addEventListener("close", () => {
+        if (isDrawing) {
+            core.cancel();
+        }
+    });
 }
 
 /** Saves the objects as a mesh. */
-export function saveMesh(core: Core, format: MeshFormat, stem: string): Promise<void> {
-    return attempt(async () => {
-        const file = await core.call("saveMesh", { format });
-        download(`${stem}.${format}`, file.bytes, file.type);
-        for (const note of file.notes) {
-            say(note);
+export async function saveMesh(core: Core, format: MeshFormat, stem: string): Promise<void> {
+    let isCancelled = false;
+    const cancel = () => {
+        isCancelled = true;
+        core.cancel();
+    };
+    let taken = () => {};
+    // Most are there at once.
+    const later = setTimeout(() => (taken = say("The mesh is being computed.", { action: { label: "Cancel", press: cancel } })), 1000);
+    await attempt(() => give(`${stem}.${format}`, core.call("saveMesh", { format }), () => isCancelled));
+    clearTimeout(later);
+    taken();
+}
+
+/** Gives the reader a file once it is there, unless it was cancelled meanwhile. */
+async function give(name: string, saved: Promise<SavedFile>, isCancelled: () => boolean): Promise<void> {
+    let file: SavedFile;
+    try {
+        file = await saved;
+    } catch (error) {
+        if (isCancelled()) {
+            return;
         }
-    });
+        throw error;
+    }
+    download(name, file.bytes, file.type);
+    for (const note of file.notes) {
+        say(note);
+    }
 }

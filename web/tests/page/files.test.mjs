@@ -195,6 +195,35 @@ test("a picture is saved in its size", async () => {
     await state.close(page);
 });
 
+test("a picture takes as long as it needs, and drawing it can be cancelled", async () => {
+    // The time that a call is waited for passes in half a second while a picture is drawn.
+    const init = () => {
+        const after = window.setTimeout;
+        const isHurried = () => document.querySelector("dialog[open]") !== null;
+        window.setTimeout = (action, delay, ...all) => after(action, delay === 45_000 && isHurried() ? 500 : delay, ...all);
+    };
+    const page = await state.open(link(example("dice.gtr"), { preferences: { traced: true, samples: 1 } }), { init });
+    const save = async (width, height) => {
+        await page.getByRole("button", { name: /^Save a picture of/ }).first().click();
+        await page.getByLabel("Width in pixels").fill(String(width));
+        await page.getByLabel("Height in pixels").fill(String(height));
+        await page.getByRole("button", { name: "Save", exact: true }).click();
+    };
+    const { bytes } = await download(page, () => save(1200, 900));
+    assert.deepEqual(png(bytes), { width: 1200, height: 900 });
+    await page.locator("dialog").waitFor({ state: "detached" });
+    await save(4096, 4096);
+    await page.getByText("Drawing…").waitFor();
+    await page.waitForTimeout(1000);
+    await page.getByRole("button", { name: "Cancel" }).click();
+    await page.locator("dialog").waitFor({ state: "detached" });
+    await page.waitForTimeout(300);
+    assert.equal(await page.locator(".toast").count(), 0);
+    await write(page, SPHERE);
+    await page.locator('[data-view="geodesic:s"][data-exact=true]').waitFor();
+    await state.close(page);
+});
+
 test("meshes are saved in every format", async () => {
     const page = await state.open(link(SPHERE));
     const checks = {
