@@ -28,7 +28,11 @@ export interface Program {
 export type Listeners = { [K in EventName]?: (params: Events[K]) => void } & {
     /** A Worker has ended; `isBack` if another one has taken its place. */
     lost?: (why: string, isBack: boolean) => void;
+    /** The settings that came with a program cannot be read; it is open without them. */
+    unreadable?: () => void;
 };
+
+export const UNREADABLE = "The settings that came with this program cannot be read, so it is shown without them.";
 
 /** Starts a Worker. */
 export type Start = () => Worker;
@@ -77,6 +81,8 @@ export class Core {
     private waiting = 0;
     /** How many of the calls that are waited for may take long. */
     private saving = 0;
+    /** How many programs have been opened. */
+    private opened = 0;
     /** The version of the text that findings have come for. */
     private checked = -1;
 
@@ -92,7 +98,24 @@ export class Core {
         this.program = program;
         this.settings = settings;
         this.isSecond = false;
-        return this.connection === undefined ? this.restore(program) : this.call("open", { ...program, settings });
+        this.opened += 1;
+        const { opened } = this;
+        const answer = this.connection === undefined ? this.restore(program) : this.call("open", { ...program, settings });
+        const { connection } = this;
+        try {
+            return await answer;
+        } catch (error) {
+            const isOpen = opened === this.opened && connection === this.connection;
+            if (!isOpen || Object.keys(settings).length === 0) {
+                throw error;
+            }
+            // Those of another version of the page, or of a link that was written by hand. The text may have changed since.
+            this.settings = {};
+            const { name, text, version } = this.program ?? program;
+            const result = await this.call("open", { name, text, version, settings: {} });
+            this.on.unreadable?.();
+            return result;
+        }
     }
 
     call<K extends CallName>(

@@ -5,7 +5,7 @@
 // A program comes from the link, from what the browser kept, from a file, the gallery or a template; the one before it is
 // remembered, so that nothing that was typed is lost.
 
-import { Core, startWorker } from "./core.ts";
+import { Core, startWorker, UNREADABLE } from "./core.ts";
 import { ask, attempt, menu, say } from "./dialogs.ts";
 import { button, download, icon, make } from "./dom.ts";
 import { Editor } from "./editor.ts";
@@ -59,6 +59,7 @@ export class Page {
             noPicture: (reason) => this.views.noPicture(reason),
             busy: ({ view, isBusy }) => this.views.busy(view, isBusy),
             lost: (why, isBack) => this.lost(why, isBack),
+            unreadable: () => say(UNREADABLE, { bad: true }),
         });
         this.problems = new Problems({
             show: (range) => this.show(range),

@@ -5,7 +5,7 @@
 // The extension has the text and applies what the panel says. Offsets are UTF-16 units of the text with `\n` as its line
 // ends; each text and each edit has a number, which grows by one.
 
-import { Core } from "./core.ts";
+import { Core, UNREADABLE } from "./core.ts";
 import { attempt, say } from "./dialogs.ts";
 import { make, saveBy } from "./dom.ts";
 import { savePicture } from "./export.ts";

@@ -235,9 +235,11 @@ impl Core {
     ) -> Result<(), String> {
         let settings_of = |name: &str| settings.get("preferences")?.get(name);
         let is_chosen = settings_of("traced").is_some();
+        // What cannot be opened changes nothing.
+        let view = settings::read(settings)?;
         self.editing = Editing::open(&self.languages, name, text, version)?;
         self.model.forget_program();
-        self.model.turn_to(settings::read(settings)?);
+        self.model.turn_to(view);
         self.told.settings.clone_from(&self.model.view);
         self.told.scene = None;
         // Other bounds, other samples: nothing of another program's pictures can be reused.

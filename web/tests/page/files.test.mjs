@@ -142,6 +142,20 @@ test("a link or a program in another tab takes nothing away of what was typed", 
     await context.close();
 });
 
+test("settings that cannot be read are left out, once and for all", async () => {
+    for (const settings of [{ closed: 5 }, { textures: 5 }, { params: { r: "a" } }, { preferences: { marks: 5 } }, { looks: 5 }]) {
+        const page = await state.open(link(SPHERE, settings));
+        assert.match(await page.locator(".toast.bad").textContent(), /settings .* cannot be read/, JSON.stringify(settings));
+        const before = await picture(page);
+        await write(page, SPHERE.replace("r cos(v))", "2r cos(v))"));
+        await changed(page, before);
+        await page.reload();
+        await settled(page);
+        assert.equal(await page.locator(".toast").count(), 0);
+        await state.close(page);
+    }
+});
+
 test("another name keeps what can be undone, and remembers nothing under it", async () => {
     const page = await state.open(link("ball = 1;", undefined, "test.gtr"));
     await page.locator(".cm-content").click();

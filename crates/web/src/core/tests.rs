@@ -177,6 +177,16 @@ fn edits_that_wait_are_compiled_once() {
 }
 
 #[test]
+fn a_program_whose_settings_cannot_be_read_leaves_the_one_before_open() {
+    let mut page = Page::open(TORUS);
+    let other = json!({ "name": "b.gtr", "text": "", "version": 2, "settings": { "closed": 5 } });
+    let error = page.call("open", other).expect_err("a list is expected");
+    assert!(error.contains("settings"), "{error}");
+    assert_eq!(page.core.editing().source().as_str(), TORUS);
+    assert_eq!(page.core.editing().version(), 1);
+}
+
+#[test]
 fn settings_are_those_of_the_window_and_can_be_undone() {
     let mut page = Page::open(TORUS);
     page.work();
