@@ -61,6 +61,11 @@ export function merged(value: unknown, patch: unknown): unknown {
     return result;
 }
 
+/** Whether a list has an image. What a link brings may be no list. */
+function isListed(textures: unknown, image: string): boolean {
+    return Array.isArray(textures) && textures.includes(image);
+}
+
 export class Core {
     /** The settings, as far as they are known here. */
     settings: Settings = {};
@@ -100,6 +105,11 @@ export class Core {
         this.isSecond = false;
         this.opened += 1;
         const { opened } = this;
+        for (const image of this.images.keys()) {
+            if (!isListed(settings.textures, image)) {
+                this.images.delete(image);
+            }
+        }
         const answer = this.connection === undefined ? this.restore(program) : this.call("open", { ...program, settings });
         const { connection } = this;
         try {
