@@ -1,7 +1,7 @@
 // The command that writes a picture of a program as a file. It needs the program `geotrace`, but no language server.
 
 import { execFile } from "node:child_process";
-import { basename, extname, join } from "node:path";
+import { basename, dirname, extname, join } from "node:path";
 import * as vscode from "vscode";
 
 /**
@@ -18,13 +18,13 @@ export async function exportPicture(program: string, source?: vscode.Uri, target
     if (file === undefined) {
         return;
     }
-    const problem = await render(program, document.getText(), file.fsPath);
+    const { problem, notes } = await render(program, document, file.fsPath);
     if (problem !== undefined) {
         void vscode.window.showErrorMessage(`The picture was not written: ${problem}`);
         return;
     }
     const open = "Open";
-    const message = `The picture was written to ${file.fsPath}.`;
+    const message = [`The picture was written to ${file.fsPath}.`, ...notes].join(" ");
     // Not awaited: the command is done.
     void vscode.window.showInformationMessage(message, open).then((choice) => {
         if (choice === open) {
@@ -41,14 +41,25 @@ function askForTarget(document: vscode.Uri): Thenable<vscode.Uri | undefined> {
     return vscode.window.showSaveDialog({ defaultUri, filters: { PNG: ["png"] } });
 }
 
-/** Draws a program's text into a file. Returns what went wrong, if anything did. */
-function render(program: string, text: string, target: string): Promise<string | undefined> {
+/** What went wrong, if anything did, and what the picture lacks, as sentences. */
+interface Rendered {
+    problem: string | undefined;
+    notes: string[];
+}
+
+/** Draws a document, as it is in the editor, into a file. */
+function render(program: string, document: vscode.TextDocument, target: string): Promise<Rendered> {
+    const language = document.languageId === "crt" ? "crt" : "geotrace";
+    const given = ["render", "-", "--language", language, "-o", target, "--size", "1600x1200"];
+    // Images lie beside the program.
+    const where = document.uri.scheme === "file" ? { cwd: dirname(document.uri.fsPath) } : {};
     return new Promise((resolve) => {
-        const child = execFile(program, ["render", "-", "-o", target, "--size", "1600x1200"], (error, _out, said) =>
-            resolve(error === null ? undefined : said.trim() || error.message),
-        );
+        const child = execFile(program, given, where, (error, _out, said) => {
+            const notes = [...said.matchAll(/^note: (.*)$/gm)].map(([, note]) => `Note: ${note}.`);
+            resolve({ problem: error === null ? undefined : said.trim() || error.message, notes });
+        });
         // A program that ends early closes its input: the callback above says why.
         child.stdin?.on("error", () => undefined);
-        child.stdin?.end(text);
+        child.stdin?.end(document.getText());
     });
 }

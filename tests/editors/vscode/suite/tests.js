@@ -81,6 +81,26 @@ exports["a picture is exported with edits that are not saved"] = async () => {
     rmSync(folder, { recursive: true });
 };
 
+exports["a picture of a script is exported, and one has the images beside its program"] = async () => {
+    const folder = mkdtempSync(join(tmpdir(), "geotrace-picture-"));
+    const target = vscode.Uri.file(join(folder, "picture.png"));
+    const exported = async (document) => {
+        await ask("geotrace.exportPicture", document.uri, target);
+        return readFileSync(target.fsPath);
+    };
+    const script = await open("Scene {\n    Sphere {\n        center -> vec3(0, 0, 0)\n        radius -> 1\n    }\n}\n", "crt");
+    assert.strictEqual((await exported(script)).toString("latin1", 1, 4), "PNG");
+    const image = vscode.Uri.joinPath(vscode.workspace.workspaceFolders[0].uri, "beside.png");
+    const surface = (attribute) => open(`surface s(u,v) = (u,v,u v), u : [0,1], v : [0,1]${attribute};`);
+    const { extensionPath } = vscode.extensions.getExtension("geotrace.geotrace");
+    await vscode.workspace.fs.copy(vscode.Uri.file(join(extensionPath, "icon.png")), image);
+    const [plain, laid] = [await exported(await surface("")), await exported(await surface(", image : beside"))];
+    await vscode.workspace.fs.delete(image);
+    const gone = await exported(await surface(", image : beside"));
+    assert.ok(!laid.equals(plain) && !laid.equals(gone), "the image is not in the picture");
+    rmSync(folder, { recursive: true });
+};
+
 exports["the manifest has what the marketplace shows, and no address that was not given"] = () => {
     const { packageJSON: manifest, extensionPath } = vscode.extensions.getExtension("geotrace.geotrace");
     assert.ok(existsSync(join(extensionPath, manifest.icon)));
