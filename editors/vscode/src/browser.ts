@@ -6,19 +6,19 @@ import { type Api, end, start } from "./session";
 
 export function activate(context: vscode.ExtensionContext): Promise<Api> {
     const folder = vscode.Uri.joinPath(context.extensionUri, "dist");
+    /** The one that runs: a restart, or a failure, puts another in its place. */
+    let worker: Worker | undefined;
+    context.subscriptions.push({ dispose: () => worker?.terminate() });
     return start(context, {
         hasWindows: false,
         async connect(options) {
             const core = await vscode.workspace.fs.readFile(vscode.Uri.joinPath(folder, "server_bg.wasm"));
-            let worker: Worker | undefined;
             const client = new LanguageClient("geotrace", "Geotrace", () => {
-                // One that has failed is followed by another.
                 worker?.terminate();
                 worker = new Worker(vscode.Uri.joinPath(folder, "worker.js").toString(true), { name: "geotrace" });
                 worker.postMessage(core);
                 return Promise.resolve({ reader: new Reader(worker), writer: new BrowserMessageWriter(worker) });
             }, options);
-            context.subscriptions.push({ dispose: () => worker?.terminate() });
             return { client, version: String(context.extension.packageJSON.version) };
         },
     });
