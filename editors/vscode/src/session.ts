@@ -90,6 +90,8 @@ class Session implements vscode.Disposable {
     readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", SELECTOR);
     readonly shown = new Map<string, Shown>();
     readonly panels: Panels;
+    /** The documents that an editor has shown. */
+    private readonly seen = new WeakSet<vscode.TextDocument>();
     private cursor: ReturnType<typeof setTimeout> | undefined;
     private readonly output = vscode.window.createOutputChannel("Geotrace", { log: true });
     private readonly disposables: vscode.Disposable[];
@@ -108,7 +110,9 @@ class Session implements vscode.Disposable {
             this.output,
             vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
             vscode.commands.registerCommand("geotrace.previewToSide", (uri?: vscode.Uri) => this.openPanel(uri)),
-            vscode.workspace.onDidOpenTextDocument((document) => this.opened(document)),
+            vscode.window.onDidChangeVisibleTextEditors((editors) => this.saw(editors)),
+            // Another language makes a new document of one that an editor shows.
+            vscode.workspace.onDidOpenTextDocument(() => this.saw(vscode.window.visibleTextEditors)),
             vscode.commands.registerCommand("geotrace.showLog", () => this.output.show()),
             vscode.commands.registerCommand("geotrace.newFromExample", (name?: string) =>
                 newFromExample(vscode.Uri.joinPath(context.extensionUri, "examples.json"), name),
@@ -121,7 +125,7 @@ class Session implements vscode.Disposable {
             vscode.window.onDidChangeTextEditorSelection((change) => this.cursorMoved(change.textEditor)),
         ];
         // The first document is open before the extension runs.
-        vscode.workspace.textDocuments.forEach((document) => this.opened(document));
+        this.saw(vscode.window.visibleTextEditors);
     }
 
     start(): Promise<void> {
@@ -228,13 +232,22 @@ class Session implements vscode.Disposable {
         }
     }
 
-    /** Opens the preview with a document, if that is wanted. The server does it where the preview is a window. */
-    private opened(document: vscode.TextDocument): void {
+    /**
+     * Opens the preview with each document that an editor shows for the first time, if that is wanted. The server does it where
+     * the preview is a window. Documents that a search or another extension opens in the background are not shown.
+     */
+    private saw(editors: readonly vscode.TextEditor[]): void {
         const when = vscode.workspace.getConfiguration("geotrace").get("preview.open");
-        // An old version, beside which the new one is compared, is none that anybody works on.
-        const isOurs = isProgram(document) && document.uri.scheme !== "git";
-        if (this.isInPanel() && when === "onOpen" && isOurs) {
-            void this.openPanel(document.uri);
+        for (const { document } of editors) {
+            // An old version, beside which the new one is compared, is none that anybody works on.
+            const isOurs = isProgram(document) && document.uri.scheme !== "git";
+            if (!isOurs || this.seen.has(document)) {
+                continue;
+            }
+            this.seen.add(document);
+            if (this.isInPanel() && when === "onOpen") {
+                void this.openPanel(document.uri);
+            }
         }
     }
 

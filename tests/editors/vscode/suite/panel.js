@@ -53,6 +53,21 @@ exports["a range that the panel names is selected, also in a text with CRLF"] = 
     }
 };
 
+exports["a document that is opened in the background opens no panel, one in an editor does"] = async () => {
+    const settings = vscode.workspace.getConfiguration("geotrace");
+    await settings.update("preview.in", "panel", vscode.ConfigurationTarget.Workspace);
+    await settings.update("preview.open", "onOpen", vscode.ConfigurationTarget.Workspace);
+    const uri = vscode.Uri.joinPath(vscode.workspace.workspaceFolders[0].uri, "behind.gtr");
+    await vscode.workspace.fs.writeFile(uri, new TextEncoder().encode(SPHERE));
+    const document = await vscode.workspace.openTextDocument(uri);
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    assert.ok(!tabs().some((label) => label.includes("behind.gtr")), tabs().join());
+    await vscode.window.showTextDocument(document, vscode.ViewColumn.One);
+    await eventually("the panel", () => tabs().includes("Preview behind.gtr"));
+    await settings.update("preview.in", undefined, vscode.ConfigurationTarget.Workspace);
+    await settings.update("preview.open", undefined, vscode.ConfigurationTarget.Workspace);
+};
+
 exports["the command opens the panel where the setting says so, and it closes with its tab"] = async () => {
     const settings = vscode.workspace.getConfiguration("geotrace");
     await settings.update("preview.in", "panel", vscode.ConfigurationTarget.Workspace);
