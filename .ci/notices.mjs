@@ -1,8 +1,10 @@
-// Writes the licences of all that is linked into the program for a platform, each text once. Fails where a package has no
-// licence text, and where the licence is none of those that deny.toml allows.
+// Writes the licences of all that is packed for a platform, each text once: what the program and the core of the page are
+// linked with, and what the scripts of the page and of the extension for VS Code contain. Fails where a package has no licence
+// text, and where the licence is none of those that deny.toml allows.
 //   node .ci/notices.mjs PLATFORM FILE
 import { execFileSync } from "node:child_process";
-import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { basename, dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -21,12 +23,10 @@ if (!(platform in TARGETS) || !out) {
     process.exit(2);
 }
 
-const programs = platform === "web" ? ["geotrace-web", "geotrace-web-server"] : ["geotrace"];
-const options = ["metadata", "--locked", "--format-version", "1", "--filter-platform", TARGETS[platform]];
-const metadata = JSON.parse(execFileSync("cargo", options, { cwd: root, encoding: "utf8", maxBuffer: 2 ** 28 }));
-
-/** What the programs are linked with, itself and the workspace left out; by name. */
-function linked() {
+/** What crates of the workspace are linked with on a platform, the workspace left out. */
+function linked(programs, target) {
+    const options = ["metadata", "--locked", "--format-version", "1", "--filter-platform", target];
+    const metadata = JSON.parse(execFileSync("cargo", options, { cwd: root, encoding: "utf8", maxBuffer: 2 ** 28 }));
     const nodes = new Map(metadata.resolve.nodes.map((node) => [node.id, node]));
     const packages = new Map(metadata.packages.map((one) => [one.id, one]));
     const found = new Set();
@@ -39,7 +39,10 @@ function linked() {
         }
     }
     const others = [...found].map((id) => packages.get(id)).filter((one) => one.source !== null);
-    return others.sort((a, b) => (a.name + a.version < b.name + b.version ? -1 : 1));
+    if (others.length === 0) {
+        faults.push(`nothing is linked: is there a package ${programs.join(" or ")}?`);
+    }
+    return others;
 }
 
 const allowed = new Set(
@@ -49,6 +52,9 @@ const allowed = new Set(
         .map((name) => name.trim().replaceAll('"', ""))
         .filter((name) => name !== ""),
 );
+
+// Permissive, of a package of JavaScript: deny.toml may name none that no crate has.
+allowed.add("BlueOak-1.0.0");
 
 /** Whether an SPDX expression can be met by allowed licences. */
 function isAllowed(expression) {
@@ -114,19 +120,61 @@ function standard(one) {
     return undefined;
 }
 
-/** The packages of JavaScript in the page, as cargo describes packages. */
-function bundled() {
-    const folder = join(root, "web");
+/** A package of JavaScript, as cargo describes packages. */
+function script(folder) {
+    const path = join(folder, "package.json");
+    return { authors: [], ...JSON.parse(readFileSync(path, "utf8")), repository: undefined, manifest_path: path };
+}
+
+/** The folder of a project of JavaScript, with what it needs. */
+function installed(folder) {
+    if (!existsSync(join(folder, "node_modules"))) {
+        // On Windows npm is a script of the shell.
+        const where = { cwd: folder, stdio: ["ignore", "ignore", "inherit"], shell: process.platform === "win32" };
+        execFileSync("npm", ["ci", "--no-audit", "--no-fund"], where);
+    }
+    return folder;
+}
+
+/** The packages in the page and in the preview inside VS Code. */
+function inPage() {
+    const folder = installed(join(root, "web"));
     const lock = JSON.parse(readFileSync(join(folder, "package-lock.json"), "utf8"));
     const places = Object.keys(lock.packages).filter((place) => place !== "" && !lock.packages[place].dev);
-    return places.map((place) => {
-        const path = join(folder, place, "package.json");
-        return { authors: [], ...JSON.parse(readFileSync(path, "utf8")), repository: undefined, manifest_path: path };
+    return places.map((place) => script(join(folder, place)));
+}
+
+/** The packages in the extension for VS Code: those whose files its bundle contains. */
+function inExtension() {
+    const folder = installed(join(root, "editors/vscode"));
+    const entries = platform === "web" ? ["src/browser.ts", "src/worker.ts"] : ["src/extension.ts"];
+    const { metafile } = createRequire(join(folder, "package.json"))("esbuild").buildSync({
+        absWorkingDir: folder,
+        entryPoints: entries,
+        bundle: true,
+        metafile: true,
+        write: false,
+        outdir: "dist",
+        external: ["vscode", "../wasm/*"],
+        format: "cjs",
+        platform: platform === "web" ? "browser" : "node",
+        logLevel: "error",
     });
+    const inputs = Object.keys(metafile.inputs).map((path) => /^.*node_modules\/(@[^/]+\/)?[^/]+/.exec(path)?.[0]);
+    const folders = new Set(inputs.filter((path) => path !== undefined));
+    if (folders.size === 0) {
+        faults.push("the extension contains no package: is its bundle another one?");
+    }
+    return [...folders].map((path) => script(join(folder, path)));
 }
 
 const faults = [];
-const packages = platform === "web" ? [...linked(), ...bundled()] : linked();
+const rust =
+    platform === "web"
+        ? linked(["geotrace-web", "geotrace-web-server"], TARGETS.web)
+        : [...linked(["geotrace"], TARGETS[platform]), ...linked(["geotrace-web"], TARGETS.web)];
+const named = new Map([...rust, ...inPage(), ...inExtension()].map((one) => [`${one.name} ${one.version}`, one]));
+const packages = [...named].sort(([a], [b]) => (a < b ? -1 : 1)).map(([, one]) => one);
 const users = new Map();
 for (const one of packages) {
     if (!isAllowed(one.license ?? "")) {
@@ -142,9 +190,6 @@ for (const one of packages) {
     for (const text of found) {
         users.set(text, [...(users.get(text) ?? []), `${one.name} ${one.version}`]);
     }
-}
-if (packages.length === 0) {
-    faults.push(`nothing is linked: is there a package ${programs.join(" or ")}?`);
 }
 if (faults.length > 0) {
     console.error(faults.join("\n"));
