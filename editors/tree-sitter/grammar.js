@@ -157,6 +157,6 @@ module.exports = grammar({
 
         word: () => /[a-zA-Z][a-zA-Z0-9]*/,
         number: () => /([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?/,
-        comment: () => token(seq("#", /.*/)),
+        comment: () => token(seq("#", /[^\r\n]*/)),
     },
 });

@@ -444,6 +444,11 @@ test("the tree-sitter grammar parses every example, and its queries hold", funct
   equal(root_node:sexpr(), wanted, "the tree")
   equal({ found.define, found.x, found.sin, found["2"] }, { "keyword", "constant", "function.builtin", "number" })
   assert(treesitter("define x = ;"):has_error())
+  -- Each way to end a line ends a comment.
+  for _, ending in ipairs({ "\n", "\r\n", "\r" }) do
+    local tree = treesitter("# c" .. ending .. "define b = a;")
+    equal(tree:sexpr(), "(program (comment) (define name: (word) value: (word)))", vim.inspect(ending))
+  end
 end)
 
 test("the tree-sitter grammar reads solids, and their words are names elsewhere", function()
