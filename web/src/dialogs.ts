@@ -11,7 +11,12 @@ export function openDialog(title: string, body: (Node | string)[], { wide = fals
         make("header", {}, make("h2", {}, title), close),
         make("div", { class: "body" }, ...body),
     );
-    dialog.addEventListener("close", () => dialog.remove());
+    dialog.addEventListener("close", () => {
+        if (dialog.contains(notices)) {
+            (document.querySelector("dialog[open]") ?? document.body).append(notices);
+        }
+        dialog.remove();
+    });
     dialog.addEventListener("click", (event) => {
         // A click beside it, which is on its backdrop.
         if (event.target === dialog) {
@@ -23,6 +28,8 @@ export function openDialog(title: string, body: (Node | string)[], { wide = fals
         }
     });
     document.body.append(dialog);
+    // Behind it, their buttons could not be pressed.
+    dialog.append(notices);
     dialog.showModal();
     return dialog;
 }

@@ -83,6 +83,21 @@ test("a new version is offered, and takes the place of the old one", async () =>
     rmSync(folder, { recursive: true });
 });
 
+test("notices are heard and closed, also where a dialog is open", async () => {
+    const page = await state.open(link(SPHERE));
+    // Screen readers pass over a place for notices that comes with its first notice.
+    assert.equal(await page.locator("[role=status].notices").count(), 1);
+    await page.getByRole("button", { name: "Help" }).click();
+    await page.evaluate(() => (location.hash = "#hello"));
+    const notice = page.locator(".toast", { hasText: "does not hold" });
+    await notice.getByRole("button", { name: "Close" }).click({ timeout: 5000 });
+    await notice.waitFor({ state: "detached" });
+    await page.evaluate(() => (location.hash = "#again"));
+    await page.keyboard.press("Escape");
+    await notice.getByRole("button", { name: "Close" }).click({ timeout: 5000 });
+    await state.close(page);
+});
+
 test("copies of the page in two folders work without a network, and other pages there go as they came", async () => {
     const folder = mkdtempSync(join(tmpdir(), "geotrace-page-"));
     for (const name of ["one", "two"]) {
