@@ -267,6 +267,7 @@ test("a view is closed and opened again", async () => {
     await page.getByRole("button", { name: "Close Geodesic view of s" }).click();
     assert.equal(await page.locator(".view").count(), 1);
     await page.locator(".chips").getByRole("button", { name: "Geodesic view of s" }).click();
+    await page.locator(".view").nth(1).waitFor();
     await settled(page);
     assert.equal(await page.locator(".view").count(), 2);
     await state.close(page);
