@@ -166,7 +166,7 @@ class GeotraceView extends HTMLElement {
         const info = scene.views.find((view) => view.id === this.view);
         if (info === undefined) {
             const names = scene.views.map((view) => view.id).join(", ");
-            this.say(`There is no view ${this.view}. The views are ${names}.`);
+            this.problems.view = `There is no view ${this.view}. The views are ${names}.`;
             return;
         }
         this.problems.view = undefined;

@@ -88,6 +88,7 @@ class Panel {
             noPicture: (reason) => this.views.noPicture(reason),
             busy: ({ view, isBusy }) => this.views.busy(view, isBusy),
             lost: (why, isBack) => say(isBack ? `The preview failed (${why}) and was restarted.` : `The preview keeps failing on this program: ${why}.`, { bad: true }),
+            unreadable: () => say(UNREADABLE, { bad: true }),
         });
         const undo = (call: "undo" | "redo") => void attempt(async () => void (await this.core.call(call, {})));
         this.views = new Views(this.core, {
