@@ -167,6 +167,7 @@ class GeotraceView extends HTMLElement {
         if (info === undefined) {
             const names = scene.views.map((view) => view.id).join(", ");
             this.problems.view = `There is no view ${this.view}. The views are ${names}.`;
+            this.say();
             return;
         }
         this.problems.view = undefined;
