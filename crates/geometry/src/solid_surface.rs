@@ -91,8 +91,8 @@ impl SolidSurface {
             .map(|bounds| [bounds.lower.to_array(), bounds.upper.to_array()])
     }
 
-    /// Returns the point where the ray from the centre of the bounding box along x leaves the solid, or along another axis if
-    /// that one does not meet it; `None` if none does. If that face is much smaller than the largest one, such as a narrow cut,
+    /// Returns the point where the ray from the centre of the bounding box along x leaves the solid, or along another axis or a
+    /// slanted line if that one does not meet it; `None` if none does. If that face is much smaller than the largest one, such as a narrow cut,
     /// returns a point of the largest face.
     pub fn first_place(&self) -> Option<[f64; 3]> {
         self.first
@@ -119,6 +119,7 @@ const ALIKE: f64 = 1.0 - 1e-9;
 
 fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
     let middle = bounds.map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.lower + bounds.upper));
+    let half = bounds.map_or(DVec3::ONE, |bounds| 0.5 * (bounds.upper - bounds.lower));
     let mut caster = rays.world().caster();
     let axes = [
         DVec3::X,
@@ -128,19 +129,31 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
         -DVec3::Y,
         -DVec3::Z,
     ];
-    let leaving = axes.into_iter().filter_map(|direction| {
+    let mut cast = |origin: DVec3, direction: DVec3, enters: bool| {
         let ray = Ray {
-            origin: middle,
+            origin,
             direction,
             leaving: None,
         };
-        let crossings = caster.cast(&ray);
-        crossings
-            .iter()
-            .find(|crossing| !crossing.entering)
-            .copied()
-    });
-    let leaving: Vec<Crossing> = leaving.collect();
+        let mut crossings = caster.cast(&ray).iter();
+        crossings.find(|it| enters || !it.entering).copied()
+    };
+    let leaving = axes.iter().filter_map(|&axis| cast(middle, axis, false));
+    let mut leaving: Vec<Crossing> = leaving.collect();
+    if leaving.is_empty() {
+        // Holes along all axes, or an endless solid whose surface has the middle.
+        let slanted = (0..8).map(|k| {
+            let side = |axis: u32| if k >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            half * DVec3::new(side(0), 0.8 * side(1), 0.6 * side(2))
+        });
+        let slanted: Vec<DVec3> = slanted.collect();
+        let mut out = slanted.iter();
+        let found = out.find_map(|way| cast(middle, way.normalize_or_zero(), false));
+        let mut beside = axes.iter();
+        let found =
+            found.or_else(|| beside.find_map(|&axis| cast(middle + slanted[0], axis, true)));
+        leaving.extend(found);
+    }
     let usual = *leaving.first()?;
     let is_one = leaving.iter().all(|it| it.surface == usual.surface);
     let other = bounds.filter(|_| !is_one).and_then(|bounds| {

@@ -119,6 +119,24 @@ fn a_camera_stands_where_the_ray_along_x_leaves() {
 }
 
 #[test]
+fn a_camera_stands_on_what_no_ray_along_an_axis_meets() {
+    let text = "
+        function cube(x, y, z) = max(abs x, abs y, abs z) - 1/2;
+        function ball(x, y, z) = x^2 + y^2 + z^2 - 0.65^2;
+        solid die = cube \\ ball;
+        solid ground(x, y, z) = z;
+    ";
+    let scene = scene::geotrace::compile(text).scene.expect("a scene");
+    let place = |name: &str| solid(&scene, name).expect("a solid").first_place();
+    // Beside a corner, and not on an edge. Its box is a little wider.
+    let on_die = place("die").expect("a place");
+    assert!((on_die[0] - 0.5).abs() < 1e-12, "{on_die:?}");
+    assert!(apart(on_die, [0.5, 0.4, 0.3]) < 1e-2, "{on_die:?}");
+    let on_ground = place("ground").expect("a place");
+    assert!(apart(on_ground, [1.0, 0.8, 0.0]) < 1e-12, "{on_ground:?}");
+}
+
+#[test]
 fn a_camera_stands_on_the_largest_face_and_not_on_a_narrow_cut() {
     let text = "solid shell(x, y, z) = abs(sin z - sinh x sinh y) - 0.05, x : [-2, 2], y : [-2, 2], z : [-6, 6];";
     let scene = scene::geotrace::compile(text).scene.expect("a scene");
