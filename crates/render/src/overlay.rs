@@ -27,7 +27,7 @@ pub(crate) use geodesic::GeodesicOverlay;
 pub use labels::PlacedWords;
 pub(crate) use labels::{TextLabel, anchors, placed};
 pub(crate) use solid::over_solid;
-pub(crate) use space::{OverlayObject, camera_objects, trail_objects};
+pub(crate) use space::{KeyedCamera, OverlayObject, camera_objects, trail_objects};
 pub use text::{Contour, outlines};
 
 use image::RgbaImage;
@@ -144,7 +144,7 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
 pub(crate) fn over_space(
     image: &mut RgbaImage,
     request: &PictureRequest,
-    camera: Option<&GeodesicCamera>,
+    camera: Option<&KeyedCamera<'_>>,
     labels: &[TextLabel],
     place: Option<[f32; 4]>,
 ) -> Result<Vec<&'static str>, RenderError> {
@@ -162,7 +162,7 @@ pub(crate) fn over_space(
 /// Those of the displayed geodesic camera.
 pub(crate) fn has_space_key(
     request: &PictureRequest,
-    camera: Option<&GeodesicCamera>,
+    camera: Option<&KeyedCamera<'_>>,
 ) -> Result<bool, RenderError> {
     Ok(!space_key(request, camera)?.0.is_empty())
 }
@@ -174,7 +174,7 @@ pub(crate) fn has_space_key(
 /// Those of the displayed geodesic camera.
 pub(crate) fn space_key_place(
     request: &PictureRequest,
-    camera: Option<&GeodesicCamera>,
+    camera: Option<&KeyedCamera<'_>>,
     image: &RgbaImage,
     labels: &[TextLabel],
 ) -> Result<Option<[f32; 4]>, RenderError> {
@@ -201,7 +201,7 @@ pub(crate) fn space_key_place(
 /// Returns the key to a 3D picture, and whether it has entries other than trails.
 fn space_key(
     request: &PictureRequest,
-    camera: Option<&GeodesicCamera>,
+    camera: Option<&KeyedCamera<'_>>,
 ) -> Result<(legend::Legend, bool), RenderError> {
     let mut key = legend::Legend::default();
     if request.overlays.legend {
@@ -363,29 +363,45 @@ fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
 mod tests {
     use scene::{ObjectId, ParamValues};
 
-    use super::{StrokeColour, StrokeStyle, blend, cover, ink, space_key, style};
+    use super::{
+        KeyedCamera, StrokeColour, StrokeStyle, blend, camera_objects, cover, ink, space_key, style,
+    };
+    use crate::bounds::Bounds;
+    use crate::camera::Camera;
     use crate::request::part::SpaceOptions;
     use crate::request::{PictureRequest, Spacing};
-    use crate::viewpoint::GeodesicCamera;
+    use crate::viewpoint::{GeodesicCamera, Viewpoint};
 
     #[test]
-    fn a_key_names_no_wavefronts_where_none_is_near_enough() {
+    fn a_key_names_no_lines_where_none_is_drawn() {
         let text = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
         let scene = scene::geotrace::compile(text).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
         let mut request = PictureRequest::new(scene, params, SpaceOptions::default(), [800, 600]);
         request.overlays.legend = true;
         let camera = GeodesicCamera::new(ObjectId::new(0)).zoomed(1.0);
-        let mut height = |wavefronts| {
+        let bounds = Bounds::of(&request.scene, &request.params);
+        let viewpoint = Viewpoint::new([0.0, 0.0, 5.0], [0.0; 3]);
+        let view = Camera::new(&bounds, &viewpoint, request.size).expect("a camera");
+        let mut height = |wavefronts, conjugate_points| {
             request.overlays.wavefronts = wavefronts;
-            let (key, _) = space_key(&request, Some(&camera)).expect("a key");
+            request.overlays.conjugate_points = conjugate_points;
+            let objects = camera_objects(&request, &camera, &bounds.placement).expect("objects");
+            let keyed = KeyedCamera {
+                camera: &camera,
+                view: &view,
+                objects: &objects,
+            };
+            let (key, _) = space_key(&request, Some(&keyed)).expect("a key");
             let place = key.place(request.size, 1.0, |_| false);
             let [_, top, _, bottom] = place.expect("room");
             bottom - top
         };
-        let without = height(None);
-        assert_eq!(height(Some(Spacing::Every(100.0))), without);
-        assert!(height(Some(Spacing::Every(0.5))) > without);
+        let without = height(None, false);
+        assert_eq!(height(Some(Spacing::Every(100.0)), false), without);
+        assert!(height(Some(Spacing::Every(0.5)), false) > without);
+        // A plane has none.
+        assert_eq!(height(None, true), without);
     }
 
     #[test]

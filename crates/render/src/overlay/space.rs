@@ -10,6 +10,7 @@ use scene::{ObjectId, Scene};
 
 use super::ink;
 use super::legend::Legend;
+use crate::camera::Camera;
 use crate::error::RenderError;
 use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use crate::placement::Placement;
@@ -99,32 +100,58 @@ pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> 
         .collect()
 }
 
-/// Adds the lines of the key for a camera that is shown.
+/// A geodesic camera that a picture shows, with the objects that show it.
+pub(crate) struct KeyedCamera<'a> {
+    pub(crate) camera: &'a GeodesicCamera,
+    /// The camera of the picture.
+    pub(crate) view: &'a Camera,
+    /// The objects, among others.
+    pub(crate) objects: &'a [OverlayObject],
+}
+
+impl KeyedCamera<'_> {
+    /// Returns true if curves of this colour are in the picture.
+    fn has_curves(&self, colour: [u8; 3]) -> bool {
+        let colour = style::linear(colour);
+        let mut curves = self.objects.iter().filter(|it| it.colour == colour);
+        curves.any(|it| match &*it.samples {
+            Samples::Curves { samples, .. } => samples.iter().any(|sample| {
+                let place = DrawingPoint(sample.position.map(f64::from));
+                sample.defined > 0.0 && self.view.sees(place)
+            }),
+            _ => false,
+        })
+    }
+}
+
+/// Adds the lines of the key for a camera that is shown; of curves, those that are in the picture.
 ///
 /// # Errors
 /// Those of the camera.
 pub(super) fn key(
     key: &mut Legend,
     request: &PictureRequest,
-    camera: &GeodesicCamera,
+    keyed: &KeyedCamera<'_>,
 ) -> Result<(), RenderError> {
+    let camera = keyed.camera;
     if !is_shown(&request.scene, camera.surface) {
         return Ok(());
     }
     key.line(X, "camera: right (X)");
     key.line(Y, "camera: up (Y)");
-    key.line(BORDER, "edge of its geodesic view");
+    if keyed.has_curves(BORDER) {
+        key.line(BORDER, "edge of its geodesic view");
+    }
     if request.scene.is_solid(camera.surface) {
         return Ok(());
     }
-    if let Some(spacing) = request.overlays.wavefronts {
-        let zoom = place(request, camera)?.zoom;
-        let spacing = spacing.distance(zoom);
-        if wave_count(request, zoom, spacing) > 0 {
-            key.line(ink::WAVE, &super::wave_words(spacing));
-        }
+    if let Some(spacing) = request.overlays.wavefronts
+        && keyed.has_curves(ink::WAVE)
+    {
+        let spacing = spacing.distance(place(request, camera)?.zoom);
+        key.line(ink::WAVE, &super::wave_words(spacing));
     }
-    if request.overlays.conjugate_points {
+    if request.overlays.conjugate_points && keyed.has_curves(ink::CONJUGATE) {
         key.line(ink::CONJUGATE, "conjugate points");
     }
     Ok(())

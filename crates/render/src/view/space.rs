@@ -21,7 +21,7 @@ use crate::gpu::renderer::SpaceScene;
 use crate::layers::Layers;
 use crate::note::Note;
 use crate::occlusion::Occlusion;
-use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
+use crate::overlay::{self, AxesBox, KeyedCamera, OverlayObject, TextLabel};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
@@ -272,6 +272,12 @@ impl ViewRenderer for SpaceRenderer {
         let mut legend = None;
         let shown = options.show_camera.as_ref();
         if overlay::any_space(request, shown) {
+            let keyed = shown.map(|shown| KeyedCamera {
+                camera: shown,
+                view: &camera,
+                objects: &overlay,
+            });
+            let shown = keyed.as_ref();
             // Words are written over pictures in memory.
             let mut image = shared.read(pixels)?;
             legend = overlay::space_key_place(request, shown, &image, &labels)?;

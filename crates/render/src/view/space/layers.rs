@@ -5,7 +5,7 @@ use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
 use crate::note::Note;
-use crate::overlay;
+use crate::overlay::{self, KeyedCamera};
 use crate::rendered::RenderedImage;
 use crate::request::PictureRequest;
 use crate::request::part::SpaceOptions;
@@ -56,7 +56,12 @@ impl SpaceRenderer {
         if let Some(painter) = &painter {
             notes.extend(painter.notes(request)?);
         }
-        let shown = options.show_camera.as_ref();
+        let keyed = options.show_camera.as_ref().map(|shown| KeyedCamera {
+            camera: shown,
+            view: camera,
+            objects: &stage.overlay,
+        });
+        let shown = keyed.as_ref();
         let mut words = stage
             .axes
             .as_ref()
