@@ -10,7 +10,7 @@
 //! thesis' method, frames while moving, the sphere from ten thousand places), `estimates` (what the geodesic view says of
 //! its errors against the truth, over random scenes), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method), `povray` (solids in f64, on a GPU, and by POV-Ray where that is installed; with KEEP=1 the pictures
-//! stay), `traced` (traced pictures in f64 and on a GPU), `scripts` (a long CRT script: read, run,
+//! stay), `traced` (traced pictures in f64 and on a GPU), `surfaces` (implicit surfaces of the literature), `scripts` (a long CRT script: read, run,
 //! edited; beside POV-Ray). Without a part all but `growth` are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
@@ -29,6 +29,7 @@ mod preview;
 mod scripts;
 mod stage;
 mod stiff;
+mod surfaces;
 mod thesis;
 mod traced;
 
@@ -62,6 +63,7 @@ fn main() -> ExitCode {
         ("stiff", stiff::run),
         ("povray", povray::run),
         ("traced", traced::run),
+        ("surfaces", surfaces::run),
         ("scripts", scripts::run),
     ];
     for wanted in &arguments {

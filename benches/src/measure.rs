@@ -68,7 +68,7 @@ pub(crate) fn processor_time<T>(mut work: impl FnMut() -> T) -> Duration {
 }
 
 /// What this thread has spent on a processor.
-fn thread_clock() -> Duration {
+pub(crate) fn thread_clock() -> Duration {
     clock(rustix::time::ClockId::ThreadCPUTime)
 }
 

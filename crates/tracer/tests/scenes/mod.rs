@@ -6,7 +6,7 @@ use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DMat3, DVec3};
 use tracer::{SetStep, ShapeId};
 
-use crate::formula::Formula;
+use super::formula::Formula;
 
 pub mod surfaces;
 

@@ -2,7 +2,7 @@
 
 use expr::ops::{Binary, Unary};
 
-use crate::formula::Formula;
+use super::Formula;
 
 /// Name, expression, and half the side of the cube that cuts it.
 pub type Surface = (&'static str, Formula, f64);
