@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
-use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR, StandardLights};
+use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOUR, StandardLights, srgb};
 use glam::DVec3;
 use image::RgbImage;
 use render::gpu::Gpu;
@@ -185,7 +185,7 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
     let params = ParamValues::initial(&scene);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| SOLID_COLOR,
+        color: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };

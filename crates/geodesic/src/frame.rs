@@ -273,14 +273,7 @@ impl Frame {
         let Some(chart) = self.chart(atlas) else {
             return Ok(trace::unit_start(atlas, self.uv.0, velocity)?.0.into());
         };
-        if !velocity.iter().all(|x| x.is_finite()) {
-            return Err(TraceError::DirectionNotFinite);
-        }
-        let largest = velocity[0].abs().max(velocity[1].abs());
-        if largest == 0.0 {
-            return Err(TraceError::ZeroDirection);
-        }
-        let velocity = velocity.map(|x| x / largest);
+        let velocity = trace::as_direction(velocity)?;
         let [t, w] = self.tangents(atlas);
         let speed = norm(combine(velocity[0], t, velocity[1], w));
         if !(speed > 0.0 && speed.is_finite()) {

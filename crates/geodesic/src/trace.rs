@@ -382,13 +382,7 @@ pub(crate) fn unit_start(
     if !start.iter().all(|x| x.is_finite()) {
         return Err(TraceError::StartNotFinite);
     }
-    if !velocity.iter().all(|x| x.is_finite()) {
-        return Err(TraceError::DirectionNotFinite);
-    }
-    let largest = velocity[0].abs().max(velocity[1].abs());
-    if largest == 0.0 {
-        return Err(TraceError::ZeroDirection);
-    }
+    let velocity = as_direction(velocity)?;
     let mut at = place(atlas, start)?;
     let signs = atlas.layout.bring_back(&mut at).signs;
     let given = at;
@@ -397,8 +391,7 @@ pub(crate) fn unit_start(
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });
     }
-    // Scaled by the largest component: a velocity of any magnitude is a direction.
-    let velocity = [0, 1].map(|k| signs[k] * velocity[k] / largest);
+    let velocity = [0, 1].map(|k| signs[k] * velocity[k]);
     let speed = speed(&jet, velocity);
     let sine = norm(crate::metric::cross(jet.du, jet.dv)) / (norm(jet.du) * norm(jet.dv));
     let at_apex = (0..2).any(|axis| {
@@ -419,6 +412,18 @@ pub(crate) fn unit_start(
     };
     let velocity = velocity.map(|x| x / speed);
     Ok((State { at, velocity }, moved))
+}
+
+/// Returns a velocity of any magnitude divided by its largest component.
+pub(crate) fn as_direction(velocity: [f64; 2]) -> Result<[f64; 2], TraceError> {
+    if !velocity.iter().all(|x| x.is_finite()) {
+        return Err(TraceError::DirectionNotFinite);
+    }
+    let largest = velocity[0].abs().max(velocity[1].abs());
+    if largest == 0.0 {
+        return Err(TraceError::ZeroDirection);
+    }
+    Ok(velocity.map(|x| x / largest))
 }
 
 /// Returns the start, which may be beyond sides that wrap, but not beyond others (up to rounding).

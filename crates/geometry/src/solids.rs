@@ -47,7 +47,13 @@ pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};
 
 /// The colour, in sRGB, of solids without a stated one.
-pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
+pub const SOLID_COLOUR: [u8; 3] = [224, 219, 209];
+
+/// Returns a colour in sRGB as numbers from 0 to 1.
+pub fn srgb(colour: [u8; 3]) -> DVec3 {
+    DVec3::from_array(colour.map(f64::from)) / 255.0
+}
+
 /// The maximum number of instances of all surfaces of a scene for rays.
 pub const MAX_SHEETS: usize = 4096;
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use expr::ops::Unary;
 use expr::{Input, NodeId};
 use geometry::solids::{
-    RayFault, RayScene, RaySceneOptions, SOLID_COLOR, StandardLights, Thickness,
+    RayFault, RayScene, RaySceneOptions, SOLID_COLOUR, StandardLights, Thickness, srgb,
 };
 use glam::DVec3;
 use scene::{
@@ -150,7 +150,7 @@ impl Writer {
     fn prepared_with(&self, params: &ParamValues) -> RayScene {
         let options = RaySceneOptions {
             shown: &|_| true,
-            color: &|_| SOLID_COLOR,
+            color: &|_| srgb(SOLID_COLOUR),
             thickness: Some(Thickness {
                 point: 0.1,
                 line: 0.05,
@@ -515,7 +515,7 @@ fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
     writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| SOLID_COLOR,
+        color: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };
@@ -709,7 +709,7 @@ fn surfaces_have_bumps_and_images() {
         });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);
-        let painted = decoded(SOLID_COLOR) * DVec3::new(0.75, 0.75, 0.0);
+        let painted = decoded(srgb(SOLID_COLOUR)) * DVec3::new(0.75, 0.75, 0.0);
         assert!(look.color.distance(painted) < 1e-12);
     }
     assert!(first(&scene, &ray([2.1, 0.0, 5.0], [0.0, 0.0, -1.0])).is_none());

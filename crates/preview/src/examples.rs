@@ -1,5 +1,7 @@
 //! The programs to start from: the examples, which are embedded in the window, and short templates.
 
+use session::program::first_sentence;
+
 /// An example: a program of the folder `examples`, with its picture in the gallery.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Example {
@@ -59,13 +61,7 @@ pub(crate) const EXAMPLES: &[Example] = examples![
 impl Example {
     /// Returns the description of the program: the first sentence of its initial comment.
     pub(crate) fn description(&self) -> String {
-        let lines = self.text.lines().map_while(|line| line.strip_prefix('#'));
-        let first = lines.map(str::trim).take_while(|line| !line.is_empty());
-        let paragraph = first.collect::<Vec<_>>().join(" ");
-        match paragraph.find(". ") {
-            Some(end) => paragraph[..=end].to_owned(),
-            None => paragraph,
-        }
+        first_sentence(self.text, "#")
     }
 }
 

@@ -11,6 +11,7 @@
 
 use std::sync::{Arc, LazyLock};
 
+pub use geometry::solids::SOLID_COLOUR;
 use scene::{Object, Scene, Shape};
 
 /// The background, sRGB.
@@ -42,9 +43,6 @@ pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
 /// The factor of the linear colour of every other square of a checker on an object of one colour.
 pub(crate) const DARK_SQUARE: f32 = 0.45;
-
-/// Solids without a specified colour, sRGB.
-pub const SOLID_COLOUR: [u8; 3] = [224, 219, 209];
 
 /// The colour that is mixed into a highlighted object, sRGB; it differs from the colours above.
 pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];

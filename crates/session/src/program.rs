@@ -33,6 +33,17 @@ pub struct Compiled {
     pub took: Duration,
 }
 
+/// Returns the first sentence of a program's initial comment, whose lines begin with `mark`.
+pub fn first_sentence(text: &str, mark: &str) -> String {
+    let lines = text.lines().map_while(|line| line.strip_prefix(mark));
+    let first = lines.map(str::trim).take_while(|line| !line.is_empty());
+    let paragraph = first.collect::<Vec<_>>().join(" ");
+    match paragraph.find(". ") {
+        Some(end) => paragraph[..=end].to_owned(),
+        None => paragraph,
+    }
+}
+
 /// A diagnostic with its line and column.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Finding {

@@ -8,6 +8,13 @@ use crate::span::Span;
 /// The maximum number of diagnostics for a text; the last one reports that others are omitted.
 pub const MAX_DIAGNOSTICS: usize = 100_000;
 
+/// Returns the text with its first letter in upper case.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(char::to_uppercase);
+    first.into_iter().flatten().chain(letters).collect()
+}
+
 /// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the span of the one that it replaces.
 pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
     let message = format!("more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted");

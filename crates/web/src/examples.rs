@@ -1,6 +1,7 @@
 //! The examples that the page offers: the programs of the folder `examples`.
 
 use serde_json::{Value, json};
+use session::program::first_sentence;
 
 /// A program of the folder.
 #[derive(Clone, Copy, Debug)]
@@ -69,13 +70,7 @@ impl Example {
         } else {
             "#"
         };
-        let lines = self.text.lines().map_while(|line| line.strip_prefix(mark));
-        let first = lines.map(str::trim).take_while(|line| !line.is_empty());
-        let paragraph = first.collect::<Vec<_>>().join(" ");
-        match paragraph.find(". ") {
-            Some(end) => paragraph[..=end].to_owned(),
-            None => paragraph,
-        }
+        first_sentence(self.text, mark)
     }
 }
 

@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
-use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOUR, srgb};
 use glam::DVec3;
 use render::bounds::Bounds;
 use scene::{Object, ParamValues, Scene, Shape};
@@ -205,7 +205,7 @@ fn prepared(
     let bounds = Bounds::of(scene, params);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| SOLID_COLOR,
+        color: &|_| srgb(SOLID_COLOUR),
         thickness: Some(render::style::thickness(bounds.placement.radius)),
         picture_look: Default::default(),
     };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use geometry::solids::{
-    MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR, instance_grids, leaf_class,
+    MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOUR, instance_grids, leaf_class, srgb,
 };
 use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
@@ -184,7 +184,7 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
 fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| SOLID_COLOR,
+        color: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };

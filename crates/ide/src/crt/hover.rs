@@ -4,6 +4,7 @@ use scene::crt::{Assignment, EntityExtent};
 use syntax::crt::objects::{DefaultValue, FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
 use syntax::span::Span;
+use syntax::text::capitalised;
 
 use super::CrtAnalysis;
 use super::names::{Origin, VariableId};
@@ -49,7 +50,7 @@ pub(super) fn object(object: ObjectName) -> Description {
         };
         format!("- `{}`: {} ({note})", row.text, row.purpose)
     });
-    let mut description = describe(object.text(), format!("{}.", capital(object.purpose())));
+    let mut description = describe(object.text(), format!("{}.", capitalised(object.purpose())));
     description.text.push(rows.collect::<Vec<_>>().join("\n"));
     description
 }
@@ -110,7 +111,7 @@ fn value_type(value: ValueType) -> &'static str {
 pub(super) fn function(word: &str) -> Option<Description> {
     let (name, arguments, purpose) = FUNCTIONS.iter().find(|(name, ..)| *name == word)?;
     let code = format!("{name}({})", arguments.join(", "));
-    Some(describe(&code, format!("{}.", capital(purpose))))
+    Some(describe(&code, format!("{}.", capitalised(purpose))))
 }
 
 /// Returns the description of a variable: its first value, and its definition.
@@ -122,7 +123,7 @@ pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Descr
     let what = match variable.origin {
         Origin::Parameter => "A parameter of a macro".to_owned(),
         Origin::Macro => "A macro".to_owned(),
-        Origin::Object(object) => capital(object.purpose()),
+        Origin::Object(object) => capitalised(object.purpose()),
         Origin::Value => "A variable".to_owned(),
     };
     let line = analysis.snapshot_text().line(variable.assignment.start);
@@ -195,7 +196,7 @@ fn describe_entity(entity: &EntityExtent) -> String {
     // "Union" begins with a consonant sound.
     let article = match &**what {
         "union" => "a",
-        what => article(&capital(what)),
+        what => article(&capitalised(what)),
     };
     let Some(bounds) = entity.bounds else {
         return format!("{article} {what}{leaves}, which is empty");
@@ -235,10 +236,4 @@ fn keyword(kind: TokenKind) -> Option<&'static str> {
         TokenKind::If | TokenKind::Else => "Runs one of two bodies.",
         _ => return None,
     })
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_ascii_uppercase());
-    first.into_iter().chain(letters).collect()
 }

@@ -3,6 +3,7 @@
 use egui::{Panel, RichText, Ui};
 use session::measuring::number;
 use session::{MessageKind, StatusMessage};
+use syntax::text::capitalised;
 
 use crate::io::link::DisconnectReason;
 use crate::ui::window::{Pictures, TextSource, Window};
@@ -45,7 +46,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
                 ui.visuals().text_color()
             };
             let status = window.model.status();
-            let link = ui.link(RichText::new(capitalized(&status)).color(colour));
+            let link = ui.link(RichText::new(capitalised(&status)).color(colour));
             let took = window.model.took.as_secs_f64() * 1e3;
             let link = link.on_hover_text(format!("compiled in {took:.1} ms"));
             let link = link.accessible_name(format!("Status: {status}"));
@@ -105,12 +106,6 @@ fn expire(message: &mut Option<StatusMessage>, ui: &Ui) {
         ui.data_mut(|data| data.remove::<(String, f64)>(id));
         *message = None;
     }
-}
-
-fn capitalized(text: &str) -> String {
-    let mut rest = text.chars();
-    let first = rest.next().map(|first| first.to_uppercase());
-    first.into_iter().flatten().chain(rest).collect()
 }
 
 /// Shows the cost of the active pane's picture, and of the window's last frame without it.

@@ -316,10 +316,6 @@ const STANDARD_LIGHTS: StandardLights = StandardLights {
     ),
 };
 
-fn srgb(colour: [u8; 3]) -> DVec3 {
-    DVec3::from_array(colour.map(f64::from)) / 255.0
-}
-
 /// Returns the position of the leaf of a face among those of its solid.
 fn leaf(rays: &RayScene, scene: &Scene, face: &Face) -> Option<usize> {
     let owner = rays.owner(&face.of);
