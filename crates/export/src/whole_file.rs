@@ -16,6 +16,8 @@ use tempfile::{NamedTempFile, TempPath};
 
 /// The prefix of each temporary file's name; short, so that a target's name may have the maximum length.
 const PREFIX: &str = ".geotrace-";
+/// The most links to a file that does not exist that are followed; Linux follows as many.
+const MOST_LINKS: u32 = 40;
 
 /// Writes a file, completely or not at all.
 ///
@@ -126,7 +128,8 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
             if path.file_name().is_none() {
                 return Err(TargetError::NamesNoFile);
             }
-            let folder = folder_of(path);
+            let target = resolved(path);
+            let folder = folder_of(&target);
             match fs::metadata(folder) {
                 Ok(above) if above.is_dir() => {}
                 Ok(_) => return Err(TargetError::NoDirectory(folder.to_owned())),
@@ -265,9 +268,19 @@ impl Unnamed {
     }
 }
 
-/// Returns the path with symbolic links resolved; a path that does not exist is returned unchanged.
+/// The path behind symbolic links, also behind those to a file that does not exist yet.
 fn resolved(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if let Ok(whole) = fs::canonicalize(&path) {
+            return whole;
+        }
+        let Ok(target) = fs::read_link(&path) else {
+            break;
+        };
+        path = folder_of(&path).join(target);
+    }
+    path
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -151,3 +151,24 @@ fn system_errors_read_as_a_phrase() {
     let error = "No such file or directory (os error 2)";
     assert_eq!(phrase(error), "no such file or directory");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_file_that_does_not_exist_yet_is_kept() {
+    use std::os::unix::fs::symlink;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    symlink("below/target.obj", path("link.obj")).expect("a link");
+    symlink("link.obj", path("other.obj")).expect("a link");
+    let missing = check_target(&path("other.obj")).expect_err("no directory");
+    assert!(missing.to_string().contains("below"), "{missing}");
+    fs::create_dir(path("below")).expect("a directory");
+    check_target(&path("other.obj")).expect("a target");
+    write_whole(&path("other.obj"), b"new").expect("writing");
+    assert_eq!(fs::read(path("below/target.obj")).expect("reading"), b"new");
+    assert!(path("link.obj").is_symlink() && path("other.obj").is_symlink());
+    // A link to itself ends.
+    symlink("round.obj", path("round.obj")).expect("a link");
+    let _ = check_target(&path("round.obj"));
+}
