@@ -28,9 +28,9 @@ pub const RATE: f64 = 25.0;
 /// many digits as the last number needs, and at least four.
 pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
     let digits = frames.to_string().len().max(4);
-    let stem = path.file_stem().unwrap_or_default();
     let number = frame + 1;
-    let name = format!("{}-{number:0digits$}.png", stem.to_string_lossy());
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number:0digits$}.png"));
     path.with_file_name(name)
 }
 
@@ -264,5 +264,15 @@ mod tests {
         let name = |path: &str, frame, frames| numbered(Path::new(path), frame, frames);
         assert_eq!(name("a/out.png", 6, 60), Path::new("a/out-0007.png"));
         assert_eq!(name("out", 12_344, 99_999), Path::new("out-12345.png"));
+        #[cfg(unix)]
+        {
+            use std::ffi::OsStr;
+            use std::os::unix::ffi::OsStrExt;
+
+            // Names of other bytes than UTF-8 stay apart.
+            let [a, b] =
+                [&b"\xfe.png"[..], b"\xff.png"].map(|bytes| Path::new(OsStr::from_bytes(bytes)));
+            assert_ne!(numbered(a, 0, 2), numbered(b, 0, 2));
+        }
     }
 }
