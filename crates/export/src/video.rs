@@ -9,9 +9,10 @@ use std::ffi::OsString;
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use image::RgbaImage;
 
@@ -207,11 +208,23 @@ impl Video {
     pub fn finish(mut self) -> Result<(), VideoError> {
         // Closing the pipe ends the pictures.
         self.pictures = None;
-        let process = running().remove(&self.id);
-        let ended = process.map(|mut process| process.wait());
-        match ended {
-            Some(Ok(status)) if status.success() => Ok(()),
+        match self.wait() {
+            Some(status) if status.success() => Ok(()),
             _ => Err(self.refusal()),
+        }
+    }
+
+    /// Waits for the end of the process, which [`end_all`] can end meanwhile; `None` if it did.
+    fn wait(&self) -> Option<ExitStatus> {
+        const STEP: Duration = Duration::from_millis(10);
+        loop {
+            // The lock is not held while this thread sleeps.
+            let ended = running().get_mut(&self.id)?.try_wait();
+            match ended {
+                Ok(None) => std::thread::sleep(STEP),
+                Ok(status) => return status,
+                Err(_) => return None,
+            }
         }
     }
 
