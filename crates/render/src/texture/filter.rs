@@ -213,7 +213,11 @@ impl<'a> Sampler<'a> {
             let turned = half < 0.0;
             let x = if turned { xy } else { spread + half };
             let y = if turned { spread - half } else { xy };
-            let step = major / larger(probes * (x * x + y * y).sqrt(), f32::MIN_POSITIVE);
+            let length = (x * x + y * y).sqrt();
+            // A round footprint is as long in all directions.
+            let is_round = length == 0.0;
+            let x = if is_round { 1.0 } else { x };
+            let step = major / (probes * if is_round { 1.0 } else { length });
             let finite = major < 1e18;
             all.level[k] = if finite { smaller(level, last) } else { last };
             all.probes[k] = if finite { probes } else { 1.0 };
@@ -546,6 +550,7 @@ pub(super) fn light_of(levels: &[Level]) -> LinearTexels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::style::encode;
 
     const L: usize = 32;
 
@@ -586,6 +591,30 @@ mod tests {
             let below = r[k] + (x - left) * (s[k] - r[k]);
             above + (y - top) * (below - above)
         })
+    }
+
+    #[test]
+    fn a_round_footprint_has_the_mean_around_its_place() {
+        // A ramp along u: red is the place.
+        let texel = |k: u32| [(k % 256) as u8, 0, 0, 255];
+        let texture = Texture::of_texels([256; 2], (0..256 * 256).map(texel).collect());
+        let sampler = Sampler::new(&texture, [0.5; 2], [1.0; 2], [false; 2]);
+        for texels in [0.0, 0.5, 3.0, 5.0, 8.0, 20.0, 60.0] {
+            let step = texels / 256.0;
+            for turn in [[step, 0.0, 0.0, step], [0.0, step, -step, 0.0]] {
+                for u in [-0.2, 0.0, 0.125, 0.25] {
+                    let [a, b, c, d] = turn;
+                    let found = sampler.colour([u, 0.0], [a, b], [c, d])[0];
+                    let place = encode(found);
+                    let expected = 256.0 * (0.5 + u) - 0.5;
+                    let off = (f32::from(place) - expected).abs();
+                    assert!(
+                        off < 1.5 + 0.1 * texels,
+                        "{texels} at {u}: {place}, {expected}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]
