@@ -27,8 +27,11 @@ impl SolidSurface {
     /// [`ManifoldError`].
     pub fn new(scene: &Scene, params: &ParamValues, id: ObjectId) -> Result<Self, ManifoldError> {
         let made = scene.made_anew(params);
-        let scene = made.as_deref().unwrap_or(scene);
-        let Some(object) = scene.get(id) else {
+        let (scene, id) = match &made {
+            Some(made) => (&**made, scene.number_in(made, id)),
+            None => (scene, Some(id)),
+        };
+        let Some(object) = id.and_then(|id| scene.get(id)) else {
             return Err(ManifoldError::NoSurface { name: None });
         };
         let name = || object.name.clone();

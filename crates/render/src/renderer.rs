@@ -147,18 +147,6 @@ fn draw_for_file(
     }
 }
 
-/// Returns the request with the scene for the values of its params, if they change more than numbers.
-fn with_scene_of_params(request: &PictureRequest) -> Cow<'_, PictureRequest> {
-    if request.scene.rerun.is_none() {
-        return Cow::Borrowed(request);
-    }
-    let scene = request.scene.arc().at(&request.params);
-    Cow::Owned(PictureRequest {
-        scene: scene.into(),
-        ..request.clone()
-    })
-}
-
 impl Renderer {
     /// Creates a renderer on the software path.
     pub fn software() -> Self {
@@ -313,7 +301,7 @@ impl Renderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
         request.check()?;
-        let request = with_scene_of_params(request);
+        let request = request.with_scene_of_params();
         let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
         renderer.layers(shared, &request, progress)
@@ -324,7 +312,7 @@ impl Renderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
-        let request = with_scene_of_params(request);
+        let request = request.with_scene_of_params();
         let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
         let image = renderer.draw(shared, &request, progress)?;
@@ -389,9 +377,13 @@ impl Renderer {
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         request.check()?;
-        let request = with_scene_of_params(request);
-        let (renderer, shared) = self.renderer(&request)?;
-        renderer.pick(shared, &request, at)
+        let made = request.with_scene_of_params();
+        let (renderer, shared) = self.renderer(&made)?;
+        let hit = renderer.pick(shared, &made, at)?;
+        Ok(hit.and_then(|hit| {
+            let object = made.scene.number_in(&request.scene, hit.object)?;
+            Some(Hit { object, ..hit })
+        }))
     }
 
     /// Returns the camera in space of a request, in the drawing units of the renderer's bounds.
@@ -400,7 +392,7 @@ impl Renderer {
     /// [`RenderError::Camera`], also for a view that has no such camera.
     pub fn camera(&mut self, request: &PictureRequest) -> Result<Camera, RenderError> {
         request.check()?;
-        let request = with_scene_of_params(request);
+        let request = request.with_scene_of_params();
         let (renderer, shared) = self.renderer(&request)?;
         let camera = renderer.camera(shared, &request)?;
         camera.ok_or_else(|| {

@@ -7,6 +7,7 @@ pub mod part;
 pub(crate) use colours::{color_nodes, srgb_of};
 pub use part::{ViewOptions, ViewPart};
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use scene::{ObjectId, ParamValues, Scene, stated_word};
@@ -15,9 +16,12 @@ use crate::bounds::ObjectCloud;
 use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
-use crate::style::{self, Theme};
+use crate::stated_colours::{self, StatedColours};
+use crate::style;
+pub use crate::style::Theme;
 use crate::texture::Texture;
 use crate::trail::Trail;
+use crate::viewpoint::GeodesicCamera;
 
 /// One picture to be drawn. Equal requests produce equal pictures.
 #[derive(Clone, Debug, PartialEq)]
@@ -255,6 +259,55 @@ impl PictureRequest {
             self.textures.extend(texture(id).map(|it| (id, it)));
         }
         self
+    }
+
+    /// Returns the request with the colours that surfaces state from place to place as images, and sentences about what images
+    /// cannot show of them.
+    pub fn with_stated_colours(&self) -> (Cow<'_, Self>, Vec<String>) {
+        let notes = stated_colours::notes(self);
+        (StatedColours::default().textured(self), notes)
+    }
+
+    /// Returns the request with the scene that the values of its params make, where they change more than numbers. Objects are
+    /// found there by their names; what names an object that is gone is dropped, and a camera on it stands on nothing.
+    pub fn with_scene_of_params(&self) -> Cow<'_, Self> {
+        let Some(made) = self.scene.made_anew(&self.params) else {
+            return Cow::Borrowed(self);
+        };
+        let number = |id: ObjectId| self.scene.number_in(&made, id);
+        let all = |ids: &[ObjectId]| ids.iter().filter_map(|id| number(*id)).collect();
+        let mut whole = self.clone();
+        let textures = self.textures.iter();
+        let textures = textures.filter_map(|(id, texture)| Some((number(*id)?, texture.clone())));
+        whole.textures = textures.collect();
+        let colours = self.colours.iter();
+        let colours = colours.filter_map(|(id, colour)| Some((number(*id)?, *colour)));
+        whole.colours = colours.collect();
+        whole.flipped = all(&self.flipped);
+        whole.curved = all(&self.curved);
+        let trails = self.trails.iter().filter_map(|trail| {
+            let surface = number(trail.surface)?;
+            Some(match surface == trail.surface {
+                true => trail.clone(),
+                false => Shared::from(Trail {
+                    surface,
+                    ..Trail::clone(trail)
+                }),
+            })
+        });
+        whole.trails = trails.collect();
+        if let Some(camera) = self.view.shown_camera() {
+            let surface = number(camera.surface).unwrap_or(ObjectId::new(u32::MAX as usize));
+            whole
+                .view
+                .show_camera(GeodesicCamera { surface, ..*camera });
+        }
+        if let Some(space) = whole.view.space_mut() {
+            space.hidden = all(&space.hidden);
+            space.highlight = space.highlight.and_then(number);
+        }
+        whole.scene = made.into();
+        Cow::Owned(whole)
     }
 
     /// Refuses a request that cannot be drawn, whatever the backend.

@@ -149,7 +149,22 @@ impl Scene {
 
     /// Returns the object with a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
-        self.numbered().find(|(_, object)| object.name == name)
+        self.objects_named(name).next()
+    }
+
+    /// The objects of a name: several of a script may share one.
+    pub fn objects_named(&self, name: &str) -> impl Iterator<Item = (ObjectId, &Object)> {
+        self.numbered()
+            .filter(move |(_, object)| object.name == name)
+    }
+
+    /// The number that an object of this scene has in another one: the n-th object of a name is the n-th of that name there.
+    pub fn number_in(&self, other: &Self, id: ObjectId) -> Option<ObjectId> {
+        let name = &self.get(id)?.name;
+        let mut own = self.objects_named(name);
+        let place = own.position(|(known, _)| known == id)?;
+        let (found, _) = other.objects_named(name).nth(place)?;
+        Some(found)
     }
 }
 

@@ -10,7 +10,15 @@ use super::PictureRequest;
 use crate::style;
 
 impl PictureRequest {
-    /// Returns true if an object specifies a colour that is the same at all points of an instance.
+    /// Returns true if a colour that was chosen for an object is not shown, because the program states one: that of a surface
+    /// which differs from place to place is multiplied by it.
+    pub fn keeps_stated_colour(&self, object: ObjectId) -> bool {
+        let is_stated_solid =
+            |object: &Object| object.shape.solid().is_some() && color_nodes(object).is_some();
+        self.states_colour(object) || self.scene.get(object).is_some_and(is_stated_solid)
+    }
+
+    /// Returns true if an object states a colour that is the same at all of the places of an instance.
     pub(super) fn states_colour(&self, object: ObjectId) -> bool {
         let stated = || StatedColour::of(&self.scene, self.scene.get(object)?);
         stated().is_some_and(|mut stated| {

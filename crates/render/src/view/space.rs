@@ -74,6 +74,7 @@ impl ViewOptions for SpaceOptions {
 /// Returns the bounds of the objects that the framing of a view in space includes; for another request, those of the whole
 /// scene.
 pub fn bounds(request: &PictureRequest) -> Bounds {
+    let request = &*request.with_scene_of_params();
     let options = request.view.space();
     Bounds::of_some(&request.scene, &request.params, |id| {
         options.is_none_or(|options| options.leaves_room(request, id))
