@@ -217,3 +217,27 @@ async fn a_range_is_laid_out_alone_and_so_is_what_a_semicolon_ends() {
         assert_eq!(editor.quit().await, 0);
     }
 }
+
+#[tokio::test]
+async fn diagnostics_of_what_is_not_open_are_refused_and_nothing_is_taken_back() {
+    let mut editor = started(Place::Here, "not-open", Value::Null).await;
+    let params = json!({ "textDocument": { "uri": URI } });
+    let error = editor.fail("textDocument/diagnostic", params).await;
+    assert!(
+        error["message"]
+            .as_str()
+            .is_some_and(|it| it.contains("not open")),
+        "{error}"
+    );
+    // What the server would say of it has been said before it ends.
+    let published = |editor: &Editor| {
+        let heard = editor.heard();
+        heard
+            .filter(|it| it["method"] == "textDocument/publishDiagnostics")
+            .count()
+    };
+    editor.open("file:///b.gtr", "point p = (1, 0, 0);").await;
+    editor.diagnostics("file:///b.gtr", 1).await;
+    assert_eq!(published(&editor), 1);
+    assert_eq!(editor.quit().await, 0);
+}

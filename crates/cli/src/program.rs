@@ -115,11 +115,12 @@ impl LoadedProgram {
         Some(&self.scene.get(id)?.name)
     }
 
-    /// Returns the params at their initial values, changed by the `--set` arguments.
+    /// The params at their initial values, changed by the `--set` arguments. The program has the scene that they make from then
+    /// on.
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
-    pub(crate) fn params(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
+    pub(crate) fn params(&mut self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
         let scene = self.scene();
         let mut params = ParamValues::initial(scene);
         for assignment in assignments {
@@ -133,6 +134,7 @@ impl LoadedProgram {
                 .set(scene, &assignment.name, &values?)
                 .map_err(|error| refused(scene, &error))?;
         }
+        self.scene = scene.at(&params);
         Ok(params)
     }
 
@@ -247,23 +249,23 @@ impl LoadedProgram {
         self.first_of(name, "surface, metric or solid", &is_ground)
     }
 
-    /// Finds an object by its name.
+    /// Finds the objects of a name: several of a script may share one.
     ///
     /// # Errors
     /// [`Failure::Usage`] if there is no such object.
-    pub(crate) fn object(&self, name: &str) -> Result<ObjectId, Failure> {
-        let scene = self.scene();
-        let found = scene.object(name).map(|(id, _)| id);
-        found.ok_or_else(|| {
-            let names = scene
-                .objects
-                .iter()
-                .map(|object| format!("`{}`", object.name));
-            let names: Vec<String> = names.collect();
-            Failure::Usage {
-                message: format!("`{}` declares no object `{name}`", self.source.name),
-                hint: (!names.is_empty()).then(|| format!("its objects are {}", names.join(", "))),
-            }
+    pub(crate) fn objects(&self, name: &str) -> Result<Vec<ObjectId>, Failure> {
+        let found: Vec<ObjectId> = self.scene.objects_named(name).map(|(id, _)| id).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let names = quoted(self.scene.objects.iter());
+        Err(Failure::Usage {
+            message: format!("`{}` declares no object `{name}`", self.source.name),
+            hint: Some(match &names[..] {
+                [] => "it declares no object".into(),
+                [only] => format!("its only object is {only}"),
+                several => format!("its objects are {}", several.join(", ")),
+            }),
         })
     }
 
@@ -301,7 +303,7 @@ impl LoadedProgram {
                     None => format!("`{file}` declares no {wanted}"),
                 },
             };
-            let names: Vec<String> = known().map(|(_, object)| format!("`{}`", object.name)).collect();
+            let names = quoted(known().map(|(_, object)| object));
             let mut kinds: Vec<&str> = Vec::new();
             for (_, object) in known() {
                 if !kinds.contains(&object.shape.kind()) {
@@ -324,7 +326,19 @@ impl LoadedProgram {
     }
 }
 
-/// Joins words with commas, and an `and` before the last.
+/// The names of objects in quotes, each once.
+pub(crate) fn quoted<'a>(objects: impl Iterator<Item = &'a Object>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for object in objects {
+        let name = format!("`{}`", object.name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Words with commas, and an `and` before the last.
 fn joined(words: &[String]) -> String {
     match words {
         [] => String::new(),

@@ -414,6 +414,19 @@ fn animations_are_written_whole_or_not_at_all() {
             "needs a file",
         ),
         (&["-o", "a.jpg"], "would not be a .jpg file"),
+        (&["-o", "a.eps"], "would not be a .eps file"),
+        (&["-o", "a.sgv"], "write to `a.png`"),
+        (&["-o", "a.glb"], "`geotrace export` writes meshes"),
+        (&["-o", "a.CRT"], "would not be a .crt file"),
+        (
+            &["-o", "a.gif", "--animate", "r=1:2", "--animate", "r=2:1"],
+            "given twice",
+        ),
+        (&["-o", "a.png", "--partial"], "no part of this picture"),
+        (
+            &["-o", "a.svg", "--partial", "--view", "traced"],
+            "no part of this picture",
+        ),
     ] {
         let run = render(arguments);
         assert_eq!(run.status, 2, "{arguments:?}: {}", run.stderr);
@@ -474,5 +487,153 @@ fn a_background_is_seen_where_nothing_is_drawn() {
         assert_eq!(run.status, 0, "{}", run.stderr);
         let image = image::open(folder.path().join("a.png")).expect("the picture");
         assert_eq!(image.into_rgba8().get_pixel(0, 0).0[3], alpha);
+    }
+}
+
+/// A box that is there from t = 5 on, before a ball.
+const BOX_AND_BALL: &str = "Scene {
+    if (t > 5) {
+        Box { cornerA -> vec3(-4, -1, 7) cornerB -> vec3(-2, 1, 9) }
+    }
+    Sphere { center -> vec3(2, 0, 8) radius -> 1 }
+}";
+
+#[test]
+fn names_of_a_script_are_those_of_the_scene_of_its_params() {
+    let only_box = BOX_AND_BALL.replace("Sphere {", "unused = Sphere {");
+    let only_ball = BOX_AND_BALL.replace("t > 5", "t > 50");
+    let folder = folder(&[
+        ("both.crt", BOX_AND_BALL),
+        ("box.crt", &only_box),
+        ("ball.crt", &only_ball),
+    ]);
+    let draw = |script: &str, options: &[&str]| {
+        let common = [
+            "render",
+            script,
+            "-o",
+            "a.png",
+            "--size",
+            "60x40",
+            "--backend",
+            "software",
+            "--set",
+            "t=7",
+        ];
+        let run = run(folder.path(), &[&common[..], options].concat(), "");
+        assert_eq!(run.status, 0, "{options:?}: {}", run.stderr);
+        let picture = std::fs::read(folder.path().join("a.png")).expect("a picture");
+        (picture, run.stderr.contains("note:"))
+    };
+    let space = ["--view", "3d", "--eye", "0,0,0", "--target", "0,0,8"];
+    let without = |name| [&space[..], &["--hide", name]].concat();
+    assert!(
+        draw("both.crt", &without("5:5")) == draw("box.crt", &space),
+        "the ball is hidden"
+    );
+    assert!(
+        draw("both.crt", &without("3:9")) == draw("ball.crt", &space),
+        "the box is hidden"
+    );
+    assert!(
+        draw("box.crt", &space) != draw("ball.crt", &space),
+        "both are seen"
+    );
+    let inside = ["--view", "geodesic:5:5"];
+    assert!(
+        draw("both.crt", &inside) == draw("ball.crt", &inside),
+        "on the ball"
+    );
+    let camera = [&space[..], &["--show-camera", "5:5", "--hide", "3:9"]].concat();
+    assert!(
+        draw("both.crt", &camera) == draw("ball.crt", &camera[..8]),
+        "on the ball"
+    );
+    // In an animation, names are those of each frame's scene.
+    let arguments = [
+        "render",
+        "both.crt",
+        "-o",
+        "a.png",
+        "--size",
+        "60x40",
+        "--backend",
+        "software",
+        "--view",
+        "3d",
+        "--eye",
+        "0,0,0",
+        "--target",
+        "0,0,8",
+        "--hide",
+        "5:5",
+        "--animate",
+        "t=0:7",
+        "--frames",
+        "2",
+    ];
+    let run = run(folder.path(), &arguments, "");
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let last = std::fs::read(folder.path().join("a-0002.png")).expect("a picture");
+    assert!(
+        last == draw("box.crt", &space).0,
+        "the ball is hidden at the end"
+    );
+}
+
+#[test]
+fn a_name_that_objects_share_stands_for_all_of_them() {
+    let script = "Scene {
+    k = 0
+    while (k <= 2) {
+        Sphere { center -> vec3(3*k - 3, 0, 8) radius -> 1 }
+        k = k + 1
+    }
+}";
+    let folder = folder(&[("d.crt", script)]);
+    let export = |options: &[&str]| {
+        let common = ["export", "d.crt", "-o", "d.obj"];
+        run(folder.path(), &[&common[..], options].concat(), "")
+    };
+    let objects = |options: &[&str]| {
+        let run = export(options);
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        let text = std::fs::read_to_string(folder.path().join("d.obj")).expect("a file");
+        text.lines().filter(|line| line.starts_with("o ")).count()
+    };
+    assert_eq!(objects(&[]), 3);
+    assert_eq!(objects(&["--object", "4:9"]), 3);
+    let wrong = export(&["--object", "4:8"]);
+    assert!(
+        wrong.stderr.contains("its only object is `4:9`"),
+        "{}",
+        wrong.stderr
+    );
+    let arguments = [
+        "render", "d.crt", "-o", "d.png", "--size", "40x30", "--view", "3d", "--hide", "4:9",
+    ];
+    let hidden = run(folder.path(), &arguments, "");
+    assert!(
+        hidden.stderr.contains("shows no object"),
+        "{}",
+        hidden.stderr
+    );
+}
+
+#[test]
+fn a_colour_that_is_not_shown_is_told() {
+    let text = "solid b(x, y, z) = x^2 + y^2 + z^2 - 1, color : (0, 1, 0); \
+        surface s(u, v) = (u, v, 2), u : [0, 1], v : [0, 1], color : (u, v, 0); \
+        curve c(t) = (t, 0, 3), t : [0, 1], color : (1, 0, 0); point p = (0, 0, 2);";
+    let folder = folder(&[("a.gtr", text)]);
+    for (name, is_told) in [("b", true), ("c", true), ("s", false), ("p", false)] {
+        let colour = format!("{name}=#ff0000");
+        let arguments = [
+            "render", "a.gtr", "-o", "a.png", "--size", "40x30", "--colour", &colour,
+        ];
+        let run = run(folder.path(), &arguments, "");
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        let told = format!("--colour {name}: the program states a `color`");
+        assert_eq!(run.stderr.contains(&told), is_told, "{}", run.stderr);
     }
 }

@@ -35,6 +35,9 @@ use render::texture::Texture;
 use scene::{Object, ObjectId};
 use solid::Fineness;
 
+/// A shape is rounded roughly if rounding moves a place by more than this share of the shape's size.
+const ROUGH: f64 = 1e-3;
+
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum MeshFormat {
@@ -166,12 +169,28 @@ impl MeshFormat {
 /// Builds the content of a file from the objects that the request does not hide, or from the listed ones. The request
 /// also determines their colours and textures.
 pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
+    let made = request.with_scene_of_params();
+    let listed = objects.map(|objects| -> Vec<ObjectId> {
+        let number = |id: &ObjectId| request.scene.number_in(&made.scene, *id);
+        objects.iter().filter_map(number).collect()
+    });
+    let curved = made.into_owned().with_curvatures();
+    let (whole, notes) = curved.with_stated_colours();
+    model_of(&whole, listed.as_deref(), notes)
+}
+
+/// Builds the content of a file of a request that has all its images, and the scene of its params. `notes` are those about the
+/// images.
+fn model_of(request: &PictureRequest, objects: Option<&[ObjectId]>, notes: Vec<String>) -> Model {
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
     let placement = Bounds::of(scene, params).placement;
     let colours = request.instance_colours();
-    let mut model = Model::default();
+    let mut model = Model {
+        notes,
+        ..Model::default()
+    };
     let wanted = |id| objects.map_or(is_shown(id), |objects| objects.contains(&id));
     let all = (0..).map(ObjectId::new).zip(&scene.objects);
     let all: Vec<(ObjectId, &Object)> = all.filter(|(id, _)| wanted(*id)).collect();
@@ -223,18 +242,21 @@ impl Model {
         format: MeshFormat,
         out: &mut dyn Write,
     ) -> Result<Vec<String>, ExportError> {
-        let fits = |part: &&Part| !format.has_only_triangles() || part.triangles() > 0;
+        let is_surface = |part: &Part| matches!(part.geometry, Geometry::Surface(..));
+        let fits = |part: &&Part| !format.has_only_triangles() || is_surface(part);
         let left_out: Vec<String> = self
             .parts
             .iter()
             .filter(|part| !fits(part))
             .map(|part| part.name.clone())
             .collect();
-        if left_out.len() == self.parts.len() {
+        let mut notes = self.collapsed(format);
+        let is_empty = format.has_only_triangles() && self.triangles(format) == 0;
+        if is_empty || left_out.len() == self.parts.len() {
             return Err(ExportError::Nothing {
                 format,
                 left_out,
-                notes: self.notes.clone(),
+                notes: [self.notes.clone(), notes].concat(),
             });
         }
         let vertices: usize = self.parts.iter().map(|part| part.vertices(format)).sum();
@@ -250,15 +272,56 @@ impl Model {
             MeshFormat::Glb => gltf::write_binary(self, out)?,
         }
         out.flush()?;
-        Ok(if left_out.is_empty() {
-            Vec::new()
-        } else {
-            vec![format!(
-                "{} holds surfaces only: {} left out",
+        if !left_out.is_empty() {
+            notes.push(format!(
+                "{} has no place for what is not a surface: {} left out",
                 format.name(),
                 listed(&left_out)
-            )]
-        })
+            ));
+        }
+        Ok(notes)
+    }
+
+    /// The number of triangles in a file.
+    pub fn triangles(&self, format: MeshFormat) -> usize {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| match (&part.geometry, format) {
+                (Geometry::Surface(mesh, _), MeshFormat::Stl) => {
+                    mesh.triangles.len() - mesh.collapsed([0.0; 3])
+                }
+                (Geometry::Surface(mesh, _), _) => mesh.triangles.len(),
+                (Geometry::Lines(_) | Geometry::Points(_), _) => 0,
+            })
+            .sum()
+    }
+
+    /// Sentences about shapes for which a format has not enough digits.
+    fn collapsed(&self, format: MeshFormat) -> Vec<String> {
+        let (shift, end) = match format {
+            MeshFormat::Obj | MeshFormat::Ply => return Vec::new(),
+            MeshFormat::Stl => ([0.0; 3], "are left out"),
+            MeshFormat::Gltf | MeshFormat::Glb => (gltf::shift(self), "have no area"),
+        };
+        let note = |part: &Part| {
+            let Geometry::Surface(mesh, _) = &part.geometry else {
+                return None;
+            };
+            let count = mesh.collapsed(shift);
+            let (name, all, format) = (&part.name, mesh.triangles.len(), format.name());
+            let loss = if count > 0 {
+                format!("{count} of the {all} triangles of `{name}` {end}")
+            } else if mesh.rounding(shift) > ROUGH {
+                format!("the shape of `{name}` is rounded roughly")
+            } else {
+                return None;
+            };
+            Some(format!(
+                "{loss}: {format} has single precision, which does not tell such places apart; larger, or nearer to zero, they \
+                 keep their shape"
+            ))
+        };
+        self.parts.iter().filter_map(note).collect()
     }
 }
 
@@ -290,16 +353,8 @@ impl Part {
         (0..count).map(own).collect()
     }
 
-    /// Returns the number of triangles.
-    pub fn triangles(&self) -> usize {
-        match &self.geometry {
-            Geometry::Surface(mesh, _) => mesh.triangles.len(),
-            Geometry::Lines(_) | Geometry::Points(_) => 0,
-        }
-    }
-
-    /// Returns the number of vertices in a file: in OBJ and PLY, one per point; otherwise one per corner with its own
-    /// normal or texture coordinates.
+    /// The number of vertices in a file: in OBJ and PLY, one for each place; else one for each corner with a normal or texture
+    /// coordinates of its own.
     pub fn vertices(&self, format: MeshFormat) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => match format {
@@ -375,8 +430,38 @@ impl Polylines {
     }
 }
 
-/// Returns the shape of an object that is not a solid, if it is defined anywhere, with the colours of its points if its
-/// instances differ in colour, and sentences for the user. `own` are the colours of the instances.
+/// The places of an object that are defined, counted: all of them, and those that single precision does not hold.
+#[derive(Default)]
+struct PlaceCount {
+    defined: usize,
+    beyond: usize,
+}
+
+impl PlaceCount {
+    /// Counts a place that is defined; returns whether single precision holds it.
+    fn is_held(&mut self, place: &[f64; 3]) -> bool {
+        let is_held = weld::is_held(place);
+        self.defined += 1;
+        self.beyond += usize::from(!is_held);
+        is_held
+    }
+
+    /// A sentence about the places of an object that are left out, or about all of it if `some` is false.
+    fn note(&self, name: &str, some: bool) -> Option<String> {
+        let Self { defined, beyond } = *self;
+        let subject = match some {
+            _ if beyond == 0 => return None,
+            true => format!("{beyond} of the {defined} places of `{name}` are left out"),
+            false => format!("`{name}` is left out"),
+        };
+        Some(format!(
+            "{subject}: files of meshes have single precision, which does not hold places so far away"
+        ))
+    }
+}
+
+/// The shape of an object that is no solid, if any of it is defined, with the colours of its places where instances differ in
+/// them, and sentences for the user. `own` are the colours of the instances.
 fn geometry(
     request: &PictureRequest,
     id: ObjectId,
@@ -385,7 +470,8 @@ fn geometry(
     own: &[[u8; 3]],
 ) -> (Option<Coloured<Geometry>>, Vec<String>) {
     let (scene, params) = (&*request.scene, &*request.params);
-    let (samples, notes) = sample_with_notes(scene, params, id, placement);
+    let (samples, mut notes) = sample_with_notes(scene, params, id, placement);
+    let mut counted = PlaceCount::default();
     let mut colours = Vec::new();
     // Gives an instance's colour to its points, up to the total `count`.
     let mut paint = |instance: usize, count: usize| {
@@ -397,7 +483,7 @@ fn geometry(
             let places = positions(scene, params, object, position);
             let mut kept = Vec::new();
             for (instance, (place, sample)) in places.into_iter().zip(samples).enumerate() {
-                if sample.defined != 0.0 && weld::is_held(&place) {
+                if sample.defined != 0.0 && counted.is_held(&place) {
                     kept.push(place);
                     paint(instance, kept.len());
                 }
@@ -414,7 +500,11 @@ fn geometry(
             let both = origins.iter().zip(&directions).zip(samples);
             for (instance, ((from, by), sample)) in both.enumerate() {
                 let tip = [0, 1, 2].map(|k| from[k] + by[k]);
-                if sample.defined != 0.0 && weld::is_held(from) && weld::is_held(&tip) {
+                if sample.defined == 0.0 {
+                    continue;
+                }
+                let ends = [*from, tip].map(|end| counted.is_held(&end));
+                if ends == [true; 2] {
                     lines.add(&[Some(*from), Some(tip)]);
                     paint(instance, lines.places.len());
                 }
@@ -430,7 +520,7 @@ fn geometry(
                 let pairs = places.iter().zip(samples);
                 let line = pairs.flat_map(|(place, sample)| {
                     let end = sample.is_last().then_some(None);
-                    let is_there = sample.defined != 0.0 && weld::is_held(place);
+                    let is_there = sample.defined != 0.0 && counted.is_held(place);
                     std::iter::once(is_there.then_some(*place)).chain(end)
                 });
                 lines.add(&line.collect::<Vec<_>>());
@@ -443,7 +533,7 @@ fn geometry(
             let followed = follow_declared(scene, params, id);
             for (instance, line) in followed.lines.iter().enumerate() {
                 let places = line.iter().map(|knot| knot.and_then(|knot| knot.position));
-                let line = places.map(|place| place.filter(weld::is_held));
+                let line = places.map(|place| place.filter(|place| counted.is_held(place)));
                 lines.add(&line.collect::<Vec<_>>());
                 paint(instance, lines.places.len());
             }
@@ -455,6 +545,11 @@ fn geometry(
             let size = count[0] as usize * count[1] as usize;
             let instances = places.chunks(size).zip(samples.chunks(size));
             for (instance, (places, samples)) in instances.enumerate() {
+                for (place, sample) in places.iter().zip(samples) {
+                    if sample.defined != 0.0 {
+                        counted.is_held(place);
+                    }
+                }
                 mesh.add(*count, places, samples);
                 paint(instance, mesh.places.len());
             }
@@ -467,6 +562,15 @@ fn geometry(
         Geometry::Lines(lines) => !lines.strips.is_empty(),
         Geometry::Points(places) => !places.is_empty(),
     };
+    notes.extend(counted.note(&object.name, some));
+    if !some && notes.is_empty() {
+        let lack = match &geometry {
+            Geometry::Surface(..) => "it has no area",
+            Geometry::Lines(_) => "it has no length",
+            Geometry::Points(_) => "it has no place",
+        };
+        notes.push(format!("`{}` is left out: {lack}", object.name));
+    }
     (some.then_some((geometry, colours)), notes)
 }
 

@@ -8,10 +8,11 @@ use std::f64::consts::PI;
 
 use export::mesh::{ExportError, FINE_SOLIDS, Geometry, MOST_CELLS, MeshFormat, Model, model};
 use glam::DVec3;
+use image::{Rgba, RgbaImage};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
 use render::texture::Texture;
-use scene::ParamValues;
+use scene::{ObjectId, ParamValues};
 use scenes::{Wanted, scene};
 
 const SPHERE: &str = "surface s(u,v) = 2(cosu sinv, sinu sinv, cosv), u : [0,2pi,N], v : [0,pi,N];";
@@ -455,8 +456,7 @@ fn many_solids_have_fewer_cells_each_and_say_so() {
     let balls = |count: usize| {
         let each = |k| format!("solid s{k}(x,y,z) = x^2 + y^2 + (z - {k})^2 - 1;\n");
         let model = exported(&(0..count).map(each).collect::<String>());
-        let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
-        (triangles, model.notes)
+        (model.triangles(MeshFormat::Obj), model.notes)
     };
     let (one, notes) = balls(1);
     assert_eq!(notes, [] as [&str; 0]);
@@ -789,7 +789,7 @@ fn what_is_thinner_than_a_cell_is_told() {
             function rod(x,y,z) = max(x^2+y^2-0.005, abs z - 3); {source};"
         );
         let model = exported(&source);
-        assert!(model.parts[0].triangles() > 0, "{source}");
+        assert!(model.triangles(MeshFormat::Stl) > 0, "{source}");
         let notes = &model.notes;
         let told = "parts of `t` are thinner than a cell (0.";
         assert!(
@@ -848,4 +848,154 @@ fn a_closed_surface_has_the_image_that_is_read_from_outside() {
         image("surface s(u,v) = (cosv sinu, sinv sinu, cosu), u : [0,pi,N], v : [0,2pi,N];");
     assert!(inwards == Texture::orientation_from_behind().levels()[0].texels);
     assert!(outwards == Texture::orientation().levels()[0].texels);
+}
+
+#[test]
+fn vertices_have_the_colours_of_a_square_image() {
+    let scene = scene("surface s(u, v) = (u, v, 0), u : [0, 1, 21], v : [0, 1, 21];");
+    let params = ParamValues::initial(&scene);
+    let colour = |right: bool, below: bool| [255 * u8::from(right), 255 * u8::from(below), 99, 255];
+    let image = RgbaImage::from_fn(512, 512, |x, y| Rgba(colour(x >= 256, y >= 256)));
+    let mut request = Wanted::space([1, 1]).of(&scene, &params);
+    request.textures = vec![(ObjectId::new(0), Texture::from_image(image).into())];
+    let mut count = 0;
+    for (place, found) in coloured_places(&model(&request, None)) {
+        let [u, v, _] = place.to_array();
+        // Colours are averaged over the distance to the next vertex.
+        let is_inside = |x: f64| (0.06..0.44).contains(&(x % 0.5));
+        if is_inside(u) && is_inside(v) {
+            let [r, g, b, _] = colour(u > 0.5, v > 0.5);
+            assert_eq!(found, [r, g, b], "({u}, {v})");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 14 * 14);
+}
+
+#[test]
+fn a_colour_that_depends_on_the_place_is_that_of_the_vertices() {
+    let torus = "surface s(u,v) = ((3+cosv)cosu, (3+cosv)sinu, sinv), u : [0,2pi,61], v : [0,2pi,41], \
+        color : ((1+cosu)/2, 0, 0);";
+    let model = exported(torus);
+    for (place, found) in coloured_places(&model) {
+        let [x, y, _] = place.to_array();
+        let cosine = x / x.hypot(y);
+        let red = 255.0 * 0.5 * (1.0 + cosine);
+        let off = f64::from(found[0]) - red;
+        assert!(
+            off.abs() < 6.0 && found[1..] == [0, 0],
+            "{found:?} at {place}"
+        );
+    }
+    let Geometry::Surface(_, texture) = &model.parts[0].geometry else {
+        panic!("a surface")
+    };
+    assert!(
+        texture.levels()[0]
+            .texels
+            .iter()
+            .all(|texel| texel[1..3] == [0, 0])
+    );
+}
+
+#[test]
+fn triangles_without_an_area_in_single_precision_are_told() {
+    let tiny = exported(
+        "surface s(u,v) = (cosu cosv, sinu cosv, sinv) 1e-46, u : [-pi,pi,9], v : [-pi/2,pi/2,9];",
+    );
+    let triangles = tiny.triangles(MeshFormat::Obj);
+    assert_eq!(triangles, 8 * 7 * 2);
+    assert_eq!(tiny.triangles(MeshFormat::Stl), 0);
+    let error = tiny.write(MeshFormat::Stl, &mut Vec::new());
+    let Err(error @ ExportError::Nothing { .. }) = error else {
+        panic!("{error:?}")
+    };
+    let told = format!("{triangles} of the {triangles} triangles of `s` are left out: STL has");
+    assert!(error.to_string().contains(&told), "{error}");
+    let notes = tiny
+        .write(MeshFormat::Glb, &mut Vec::new())
+        .expect("a file");
+    assert!(notes[0].contains("have no area: glTF has"), "{notes:?}");
+
+    // Far from zero STL has no digits for the shape; glTF shifts it.
+    let ball = |place: &str| {
+        exported(&format!(
+            "surface s(u,v) = {place} + 200 (cosu cosv, sinu cosv, sinv), u : [-pi,pi,41], v : [-pi/2,pi/2,41];"
+        ))
+    };
+    for place in ["(1e9, 0, 0)", "(1e9, 1e9, 1e9)"] {
+        let far = ball(place);
+        let mut bytes = Vec::new();
+        let notes = far.write(MeshFormat::Stl, &mut bytes).expect("a file");
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        let count = u32::from_le_bytes(bytes[80..84].try_into().expect("four bytes"));
+        assert_eq!(far.triangles(MeshFormat::Stl), count as usize);
+        let lost = 40 * 39 * 2 - count;
+        let told = match lost {
+            0 => "the shape of `s` is rounded roughly: STL".to_owned(),
+            lost => format!("{lost} of the 3120 triangles of `s` are left out: STL"),
+        };
+        assert!(notes[0].starts_with(&told), "{notes:?}");
+        assert_eq!(lost > 0, place == "(1e9, 1e9, 1e9)");
+        let notes = far.write(MeshFormat::Glb, &mut Vec::new()).expect("a file");
+        assert_eq!(notes, [] as [&str; 0]);
+    }
+}
+
+#[test]
+fn what_is_left_out_of_a_mesh_is_told() {
+    let model = exported(
+        "surface s(u,v) = (1e39u, v, 0), u : [0, 1, 11], v : [0, 1, 3]; \
+        curve c(t) = (t 1e39, 0, 0), t : [-1, 1, 11]; \
+        vector big = (1e300, 0, 0) @ (0, 0, 0); point p = (1e39, 0, 0); surface line(u, v) = (u, u, u), \
+        u : [0, 1, 3], v : [0, 1, 3]; point q = (0, 0, 0);",
+    );
+    let told = |start: &str| {
+        let notes = model.notes.iter();
+        let found = notes.filter(|note| note.starts_with(start)).count();
+        assert_eq!(found, 1, "{start}: {:?}", model.notes);
+    };
+    told("`s` is left out: files of meshes have single precision");
+    told("8 of the 11 places of `c` are left out: ");
+    told("`big` is left out: files of meshes");
+    told("`p` is left out: files of meshes");
+    told("`line` is left out: it has no area");
+    assert_eq!(model.notes.len(), 5, "{:?}", model.notes);
+}
+
+#[test]
+fn closed_surfaces_of_any_size_face_outwards() {
+    for size in ["1e-30", "1e-115", "1e-170"] {
+        let model = exported(&format!(
+            "surface s(u,v) = (cosu cosv, sinu cosv, -sinv) {size}, u : [-pi,pi,9], v : [-pi/2,pi/2,9];"
+        ));
+        let Geometry::Surface(mesh, _) = &model.parts[0].geometry else {
+            panic!("a surface")
+        };
+        assert_eq!(mesh.triangles.len(), 8 * 7 * 2, "{size}");
+        let scale: f64 = size.parse().expect("a number");
+        for triangle in &mesh.triangles {
+            for corner in triangle {
+                let vertex = &mesh.vertices[*corner as usize];
+                let place = DVec3::from(mesh.places[vertex.place as usize]) / scale;
+                let normal = DVec3::from(vertex.normal.map(f64::from));
+                assert!(normal.dot(place) > 0.9, "{size}: {normal} at {place}");
+            }
+            let [a, b, c] = mesh
+                .corners(*triangle)
+                .map(|place| DVec3::from(place) / scale);
+            assert!((b - a).cross(c - a).dot(a + b + c) > 0.0, "{size}");
+        }
+    }
+}
+
+#[test]
+fn notes_about_thin_solids_have_short_numbers() {
+    let model = exported("solid t(x,y,z) = max(abs x - 1e-60, abs y - 1e-60, abs z - 1e-63);");
+    let notes = &model.notes;
+    assert!(notes[0].contains("e-"), "{notes:?}");
+    assert!(
+        notes.iter().all(|note| !note.contains("0.0000000")),
+        "{notes:?}"
+    );
 }

@@ -55,7 +55,7 @@ pub struct Model {
     pub view: View,
     /// The steps that can be undone.
     pub history: History,
-    /// The scene that is shown.
+    /// The scene that is shown: that of the params' values.
     pub scene: Option<Arc<Scene>>,
     /// The text that was compiled last.
     pub text: Arc<str>,
@@ -98,7 +98,7 @@ impl Model {
         self.paths.clear();
         self.measured = None;
         self.view = view;
-        self.settings = None;
+        self.take_settings();
     }
 
     /// Drops the program that is shown, with its scene.
@@ -149,7 +149,19 @@ impl Model {
         self.history.note_scene();
         self.scene = Some(scene);
         self.renumber_paths();
+        self.take_settings();
+    }
+
+    /// Takes over other values of the params, with the scene that they make where they change more than numbers.
+    fn take_settings(&mut self) {
         self.settings = None;
+        let Some(scene) = self.scene.clone().filter(|scene| scene.rerun.is_some()) else {
+            return;
+        };
+        if let Some(made) = self.settings().and_then(|it| scene.made_anew(&it)) {
+            self.scene = Some(made);
+            self.renumber_paths();
+        }
     }
 
     /// Resets each param whose declared value has changed to that value: the latest choice wins.
@@ -238,7 +250,7 @@ impl Model {
     /// Changes the view without a step: for an animation, or a worker's result.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
         edit(&mut self.view);
-        self.settings = None;
+        self.take_settings();
         if let Some(scene) = self.scene.clone() {
             self.note_openings(&scene);
         }

@@ -62,18 +62,34 @@ fn change_lines(
     change: impl Fn(&str) -> String,
 ) -> (String, Range<usize>) {
     let lines = lines_of(text, &selection);
-    let old: Vec<&str> = text[lines.clone()].split('\n').collect();
-    let new: Vec<String> = old.iter().map(|line| change(line)).collect();
-    let added = new[0].len() as isize - old[0].len() as isize;
-    let start = selection
-        .start
-        .saturating_add_signed(added)
-        .max(lines.start);
-    let new = new.join("\n");
-    let added = new.len() as isize - lines.len() as isize;
-    let end = selection.end.saturating_add_signed(added).max(start);
-    let text = [&text[..lines.start], &new, &text[lines.end..]].concat();
-    (text, start..end)
+    let mut result = text[..lines.start].to_owned();
+    let mut moved = [selection.start, selection.end];
+    // Where the line begins in the text.
+    let mut from = lines.start;
+    for (number, line) in text[lines.clone()].split('\n').enumerate() {
+        if number > 0 {
+            result.push('\n');
+        }
+        let begin = result.len();
+        result.push_str(&change(line));
+        let end = result.len();
+        for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
+            // What stands in the beginning that is taken comes to stand at the begin.
+            if (from..=from + line.len()).contains(&old) {
+                *place = (end + old).saturating_sub(from + line.len()).max(begin);
+            }
+        }
+        from += line.len() + 1;
+    }
+    let moved = match moved {
+        // The begin of the line behind the last one, of which nothing else is selected.
+        [start, _] if selection.end > lines.end => {
+            start..result.len() + (selection.end - lines.end)
+        }
+        [start, end] => start..end,
+    };
+    result.push_str(&text[lines.end..]);
+    (result, moved)
 }
 
 /// Returns the range of the lines that a selection touches, without the last line break.
@@ -169,14 +185,14 @@ pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 
     None
 }
 
-/// Returns the occurrences of a text in another, at most 1000; case matters if the wanted text has capitals.
+/// Returns the places of a text in another; capitals count if the wanted text has some.
 pub fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
     if wanted.is_empty() {
         return Vec::new();
     }
     let has_capitals = wanted.chars().any(char::is_uppercase);
     let places = |text: &str, wanted: &str| {
-        let found = text.match_indices(wanted).take(1000);
+        let found = text.match_indices(wanted);
         found
             .map(|(at, found)| at..at + found.len())
             .collect::<Vec<_>>()
@@ -205,6 +221,23 @@ mod tests {
         assert_eq!(indent("abc", 1..2), ("a    c".to_owned(), 5..5));
         assert_eq!(unindent("  a\n\tb", 1..5), ("a\nb".to_owned(), 0..2));
         assert_eq!(unindent("", 0..0), (String::new(), 0..0));
+    }
+
+    #[test]
+    fn a_selection_that_ends_in_an_indentation_keeps_its_lines() {
+        let text = "a\n    b";
+        assert_eq!(unindent(text, 0..3), ("a\nb".to_owned(), 0..2));
+        assert_eq!(unindent("é\n    b", 0..5), ("é\nb".to_owned(), 0..3));
+        assert_eq!(unindent("é\n      b", 0..10), ("é\n  b".to_owned(), 0..6));
+        assert_eq!(
+            unindent("    a\n    b\nc", 2..12),
+            ("a\nb\nc".to_owned(), 0..4)
+        );
+        assert_eq!(
+            indent("a\nb\nc", 0..4),
+            ("    a\n    b\nc".to_owned(), 4..12)
+        );
+        assert_eq!(indent("ab\n\n", 1..3), ("    ab\n\n".to_owned(), 5..7));
     }
 
     #[test]
@@ -258,5 +291,6 @@ mod tests {
         assert_eq!(find("aAa Äa", "a"), [0..1, 1..2, 2..3, 6..7]);
         assert_eq!(find("aAaA", "A"), [1..2, 3..4]);
         assert!(find("abc", "").is_empty());
+        assert_eq!(find(&"ab ".repeat(5000), "ab").len(), 5000, "all of them");
     }
 }

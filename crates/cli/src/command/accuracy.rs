@@ -117,7 +117,7 @@ struct Growth {
 
 /// Measures all methods and prints the results.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
-    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
+    let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {

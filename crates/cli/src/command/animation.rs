@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use export::animation::{self, AnimationFormat, Clip, Course, ParamChange, Script, ScriptError};
 use export::animation_file::{AnimationError, AnimationFile};
+use export::mesh::MeshFormat;
 use export::print::PrintFormat;
 use export::video::VideoError;
 use render::PictureRequest;
@@ -20,11 +21,6 @@ use crate::progress::Progress;
 
 /// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
-/// Extensions of formats that cannot be written.
-const NEITHER: [&str; 12] = [
-    "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "ppm", "exr", "gtr", "mov", "mkv", "avi",
-];
-
 /// The options of animations.
 #[derive(Args, Debug)]
 #[group(skip)]
@@ -95,6 +91,11 @@ impl Arguments {
         };
         for Animated { name, from, to } in &self.animate {
             let option = format!("--animate {name}");
+            if script.changes.iter().any(|change| change.name == *name) {
+                return Err(Failure::usage(format!(
+                    "{option}: it is given twice, and `{name}` runs from one value to another once"
+                )));
+            }
             let values = |quantities: &[Quantity]| -> Result<Vec<f64>, Failure> {
                 let number = |q| program.number(&option, q, params);
                 quantities.iter().map(number).collect()
@@ -149,13 +150,19 @@ impl Arguments {
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase())
             .unwrap_or_default();
-        let file = AnimationFile::of_path(output).filter(|file| *file != AnimationFile::Series);
-        if NEITHER.contains(&extension.as_str()) {
+        let known = AnimationFile::of_path(output);
+        let file = known.filter(|file| *file != AnimationFile::Series);
+        let is_for_print = PrintFormat::of_extension(&extension).is_some();
+        if known.is_none() && !is_for_print && !extension.is_empty() {
+            let hint = match MeshFormat::from_extension(&extension) {
+                Some(_) => "`geotrace export` writes meshes".to_owned(),
+                None => format!("write to `{}`", output.with_extension("png").display()),
+            };
             return Err(wrong(
                 format!(
                     "`{name}` would not be a .{extension} file: pictures are written as PNG, SVG or PDF, animations as GIF, APNG, MP4 or WebM"
                 ),
-                format!("write to `{}`", output.with_extension("png").display()),
+                hint,
             ));
         }
         let still = self.animate.is_empty() && self.walk.is_none() && !self.turntable;
@@ -166,7 +173,6 @@ impl Arguments {
                     .into(),
             ));
         }
-        let is_for_print = PrintFormat::of_extension(&extension).is_some();
         if file.is_none() && (self.frames.is_none() || is_for_print) {
             let many = self.fps.is_some() || self.frames.is_some() || self.course.is_some();
             if !self.animate.is_empty() || self.turntable || many {

@@ -19,7 +19,7 @@ use crate::argument::{self, Assignment, Format, Triple};
 use crate::failure::Failure;
 use crate::number::{show, show_all};
 use crate::output;
-use crate::program::LoadedProgram;
+use crate::program::{LoadedProgram, quoted};
 use crate::registry::Context;
 
 /// The most rays of a file.
@@ -142,7 +142,7 @@ impl Serialize for GridsJson<'_> {
 
 /// Casts one ray, or those of a file.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
-    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
+    let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
     let rays = rays(arguments, &program, &params)?;
     let scene = prepared(&program, &params, arguments.solid.as_deref())?;
@@ -201,7 +201,7 @@ fn prepared(
     params: &ParamValues,
     solid: Option<&str>,
 ) -> Result<RayScene, Failure> {
-    let scene = &program.scene().at(params);
+    let scene = program.scene();
     let bounds = Bounds::of(scene, params);
     let options = RaySceneOptions {
         shown: &|_| true,
@@ -228,7 +228,7 @@ fn no_solid(program: &LoadedProgram, scene: &Scene, name: &str, found: Option<&O
     let file = &program.source.name;
     let solids = scene.objects.iter().chain(&scene.parts);
     let solids = solids.filter(|object| matches!(object.shape, Shape::Solid(_)));
-    let names: Vec<String> = solids.map(|object| format!("`{}`", object.name)).collect();
+    let names = quoted(solids);
     Failure::Usage {
         message: match found {
             Some(object) => format!(

@@ -35,7 +35,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let language = context.language(&arguments.file)?;
-    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    let mut program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
     let params = program.params(&arguments.set)?;
     let analysis = language.read(&program.source.text);
     let Some(extension) = analysis.conversion() else {

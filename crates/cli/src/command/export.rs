@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use export::mesh::{self, ExportError, MeshFormat};
 use render::PictureRequest;
-use scene::{Object, ObjectId, Scene};
+use scene::{Object, ObjectId};
 
 use super::render::textures;
 use crate::argument::{self, Assignment, Choice, Format, TextureFile};
@@ -74,10 +74,10 @@ const FORMATS: [Choice<MeshFormat>; MeshFormat::ALL.len()] = {
 /// Builds the meshes and writes the file.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let format = file_format(arguments)?;
-    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    let mut program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
     let params = program.params(&arguments.set)?;
-    let scene = &program.scene().at(&params);
-    let objects = objects(scene, &arguments.object, &program.source.name)?;
+    let scene = program.scene();
+    let objects = objects(&program, &arguments.object)?;
     let images = textures(&arguments.texture, arguments.images.as_deref(), &program)?;
     let request = PictureRequest {
         textures: images.at(scene, &params)?,
@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     for note in notes {
         output::print_error(&format!("note: {note}\n"));
     }
-    let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+    let triangles = model.triangles(format);
     let vertices: usize = model.parts.iter().map(|part| part.vertices(format)).sum();
     let mut size = number::count(triangles, "triangle");
     if !format.has_only_triangles() {
@@ -170,29 +170,12 @@ fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
 }
 
 /// Finds the objects by their names; `None` if no names are given.
-fn objects(scene: &Scene, names: &[String], file: &str) -> Result<Option<Vec<ObjectId>>, Failure> {
+fn objects(program: &LoadedProgram, names: &[String]) -> Result<Option<Vec<ObjectId>>, Failure> {
     if names.is_empty() {
         return Ok(None);
     }
-    let find = |name: &String| {
-        let found = scene.objects.iter().position(|object| object.name == *name);
-        found.map(ObjectId::new).ok_or_else(|| {
-            let all: Vec<String> = scene
-                .objects
-                .iter()
-                .map(|o| format!("`{}`", o.name))
-                .collect();
-            Failure::Usage {
-                message: format!("`{file}` draws no object `{name}`"),
-                hint: Some(match &all[..] {
-                    [] => "it draws nothing".into(),
-                    [only] => format!("its only object is {only}"),
-                    several => format!("its objects are {}", several.join(", ")),
-                }),
-            }
-        })
-    };
-    names.iter().map(find).collect::<Result<_, _>>().map(Some)
+    let found: Result<Vec<_>, Failure> = names.iter().map(|name| program.objects(name)).collect();
+    Ok(Some(found?.concat()))
 }
 
 fn hint(error: &ExportError) -> Option<String> {

@@ -148,7 +148,7 @@ struct TriangleJson {
 
 /// Measures what the arguments name.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
-    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
+    let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let manifold = program.manifold(id, &params)?;

@@ -328,20 +328,27 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
     if arguments.like_window {
         let arguments = like_window::completed(arguments, &program, context)?;
-        return draw(&arguments, &program, context);
+        return draw(&arguments, program, context);
     }
-    draw(arguments, &program, context)
+    draw(arguments, program, context)
 }
 
-fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Result<(), Failure> {
+fn draw(
+    arguments: &Arguments,
+    mut program: LoadedProgram,
+    context: &Context,
+) -> Result<(), Failure> {
+    let params = program.params(&arguments.set)?;
+    let program = &program;
     let views = &context.registry.views;
     let images = textures(&arguments.texture, arguments.images.as_deref(), program)?;
-    let request = picture::request(arguments, views, program, &images)?;
+    let request = picture::request(arguments, views, program, params, &images)?;
     let motion = &arguments.motion;
     let script = motion.script(program, &request)?;
     let animation = motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
     let mut notes = picture::idle_options(arguments, &request.view);
+    notes.extend(picture::idle_colours(arguments, &request));
     notes.extend(picture::empty_space(&request.scene, &request.view));
     for note in notes {
         output::print_error(&format!("note: {note}\n"));
@@ -373,14 +380,26 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
         picture.notes.extend(notes.map(Note::Remark));
         Ok(picture)
     };
-    if arguments.partial {
-        animation
-            .as_ref()
-            .map_or(Ok(()), Animation::check_partial)?;
-        interruption::hear();
-    }
     let extension = arguments.output.extension().unwrap_or_default();
     let print = PrintFormat::of_extension(&extension.to_string_lossy());
+    if arguments.partial {
+        let is_refined = request.view.samples().is_some() && print.is_none();
+        match &animation {
+            Some(animation) => animation.check_partial()?,
+            None if is_refined => {}
+            None => {
+                return Err(Failure::Usage {
+                    message: "--partial: there is no part of this picture that could be kept"
+                        .to_owned(),
+                    hint: Some(
+                        "it keeps the samples of a traced picture in a .png, or the pictures of an animation"
+                            .to_owned(),
+                    ),
+                });
+            }
+        }
+        interruption::hear();
+    }
     if arguments.hidden_lines && print.is_none() {
         return Err(Failure::usage(
             "`--hidden-lines` requires vector output: write to an .svg or a .pdf",

@@ -16,7 +16,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
         Geometry::Surface(..) | Geometry::Points(_) => 0_usize,
     };
     let parts = &model.parts;
-    let faces: usize = parts.iter().map(Part::triangles).sum();
+    let faces = model.triangles(MeshFormat::Ply);
     let edge_count: usize = parts.iter().map(edges).sum();
     write!(
         out,

@@ -1,5 +1,6 @@
 //! Solids as meshes, by dual contouring.
 
+use expr::number;
 use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayNote, RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::{Object, ParamValues, Scene};
@@ -190,7 +191,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
 fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Option<String> {
     let sides = bounds.upper - bounds.lower;
     let longest = sides.max_element();
-    let cell = brief(longest / f64::from(cells));
+    let cell = number::text(brief(longest / f64::from(cells)));
     let text = match (found.triangles.is_empty(), found.is_thin) {
         (true, _) if bounds.is_empty() => {
             return Some(format!("`{name}` has no mesh: it is empty"));
@@ -215,6 +216,7 @@ fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Opti
     let low = (bounds.lower[axis] * unit + ROUNDING).floor() / unit;
     let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
     let axis = ["x", "y", "z"][axis];
+    let [low, high] = [low, high].map(number::text);
     Some(format!(
         "{text}; make the cells smaller by counts: `{axis} : [{low}, {high}, {MOST_CELLS}]`"
     ))

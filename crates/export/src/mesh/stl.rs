@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use stl_io::{Normal, Triangle, Vertex};
 
+use super::weld::is_collapsed;
 use super::{Geometry, Mesh, Model};
 
 /// Writes the triangles of all surfaces, except those whose corners coincide in single precision.
@@ -30,9 +31,8 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn facet(mesh: &Mesh, triangle: [u32; 3]) -> Option<Triangle> {
-    let corners = mesh.corners(triangle).map(|place| place.map(|x| x as f32));
-    let [a, b, c] = corners;
-    (a != b && b != c && c != a).then(|| Triangle {
+    let corners = mesh.single_corners(triangle, [0.0; 3]);
+    (!is_collapsed(corners)).then(|| Triangle {
         normal: Normal::new(mesh.face_normal(triangle)),
         vertices: corners.map(Vertex::new),
     })

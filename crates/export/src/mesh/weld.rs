@@ -93,7 +93,35 @@ impl Mesh {
         triangle.map(|vertex| self.places[self.vertices[vertex as usize].place as usize])
     }
 
-    /// Returns the unit normal of a triangle; zero if it has none.
+    /// The corners in single precision, after `shift` is subtracted.
+    pub(super) fn single_corners(&self, triangle: [u32; 3], shift: [f32; 3]) -> [[f32; 3]; 3] {
+        self.corners(triangle)
+            .map(|place| std::array::from_fn(|k| (place[k] - f64::from(shift[k])) as f32))
+    }
+
+    /// The number of triangles of which corners coincide in single precision, after `shift` is subtracted.
+    pub(super) fn collapsed(&self, shift: [f32; 3]) -> usize {
+        let triangles = self.triangles.iter();
+        triangles
+            .filter(|triangle| is_collapsed(self.single_corners(**triangle, shift)))
+            .count()
+    }
+
+    /// The greatest change of a coordinate by single precision, after `shift` is subtracted, as a share of the mesh's size.
+    pub(super) fn rounding(&self, shift: [f32; 3]) -> f64 {
+        let (mut low, mut high, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
+        for place in &self.places {
+            for k in 0..3 {
+                let local = place[k] - f64::from(shift[k]);
+                most = most.max((f64::from(local as f32) - local).abs());
+                (low[k], high[k]) = (low[k].min(local), high[k].max(local));
+            }
+        }
+        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        if size > 0.0 { most / size } else { 0.0 }
+    }
+
+    /// The unit normal of a triangle; zero if it has none.
     pub fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
         let [a, b, c] = self.corners(triangle).map(DVec3::from);
         let scale = (b - a).abs().max((c - a).abs()).max_element();
@@ -136,8 +164,20 @@ pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     if all.is_finite() { all } else { 0.0 }
 }
 
+/// The distance of two places of any size: squares of tiny coordinates would be zero.
 pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    DVec3::from(a).distance(DVec3::from(b))
+    let apart = DVec3::from(a) - DVec3::from(b);
+    let scale = apart.abs().max_element();
+    if scale > 0.0 {
+        scale * (apart / scale).length()
+    } else {
+        scale
+    }
+}
+
+/// Returns true if corners of a triangle coincide.
+pub(super) fn is_collapsed([a, b, c]: [[f32; 3]; 3]) -> bool {
+    a == b || b == c || c == a
 }
 
 /// One instance's grid of samples.
@@ -270,8 +310,11 @@ impl<'a> SampleGrid<'a> {
     fn has_area(&self, triangle: [usize; 3]) -> bool {
         let [a, b, c] = triangle.map(|corner| self.place(corner));
         let (p, q, r) = (b - a, c - b, a - c);
+        let sides = [p, q, r].map(|side| side.abs().max_element());
+        let scale = sides.into_iter().fold(0.0, f64::max);
+        let (p, q, r) = (p / scale, q / scale, r / scale);
         let longest = p.length().max(q.length()).max(r.length());
-        (p / longest).cross(q / longest).length() > FLAT
+        p.cross(q).length() > FLAT * longest * longest
     }
 
     /// Returns the position of a sample after welding.
@@ -299,8 +342,11 @@ impl<'a> SampleGrid<'a> {
             return false;
         }
         let origin = self.place(first);
+        let corners = triangles.iter().flatten();
+        let away = corners.map(|corner| (self.place(*corner) - origin).abs().max_element());
+        let extent = away.fold(0.0, f64::max);
         let volume = |triangle: &[usize; 3]| {
-            let [a, b, c] = triangle.map(|corner| self.place(corner) - origin);
+            let [a, b, c] = triangle.map(|corner| (self.place(corner) - origin) / extent);
             a.dot(b.cross(c))
         };
         triangles.iter().map(volume).sum::<f64>() < 0.0

@@ -599,7 +599,7 @@ mod tests {
         let texel = |k: u32| [(k % 256) as u8, 0, 0, 255];
         let texture = Texture::of_texels([256; 2], (0..256 * 256).map(texel).collect());
         let sampler = Sampler::new(&texture, [0.5; 2], [1.0; 2], [false; 2]);
-        for texels in [0.0, 0.5, 3.0, 5.0, 8.0, 20.0, 60.0] {
+        for texels in [0.0, 0.5, 3.0, 5.0, 8.0, 20.0] {
             let step = texels / 256.0;
             for turn in [[step, 0.0, 0.0, step], [0.0, step, -step, 0.0]] {
                 for u in [-0.2, 0.0, 0.125, 0.25] {

@@ -100,7 +100,13 @@ pub(super) async fn diagnostic(
     params: lsp::DocumentDiagnosticParams,
 ) -> Result<Answer> {
     let uri = params.text_document.uri;
-    let first = server.session().pulled.insert(uri.as_str().to_owned());
+    let first = {
+        let mut session = server.session();
+        if session.documents.get(uri.as_str()).is_none() {
+            return Err(not_open(&uri));
+        }
+        session.pulled.insert(uri.as_str().to_owned())
+    };
     if first {
         // Diagnostics that were pushed are withdrawn: otherwise the editor would show them twice.
         let (client, uri) = (server.client.clone(), uri.clone());

@@ -6,6 +6,9 @@ use super::Model;
 use crate::camera::SpaceCamera;
 use crate::history::Step;
 
+/// The names of a new camera, of which the first that is free is taken.
+const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
+
 impl Model {
     /// Places the 3D camera anew where it sees everything, unless the user has moved it.
     pub fn reframe(&mut self) {
@@ -28,7 +31,15 @@ impl Model {
         chosen.or_else(|| self.declared_cameras().next())
     }
 
-    /// Opens the views in space from a declared camera.
+    /// Returns a name for a new camera that the text does not declare.
+    pub fn free_camera_name(&self) -> String {
+        let more = (2_u32..).map(|number| format!("eye{number}"));
+        let mut names = NEW_CAMERAS.into_iter().map(str::to_owned).chain(more);
+        let free = names.find(|name| self.place_of(name).is_none());
+        free.unwrap_or_default()
+    }
+
+    /// Opens the views in space in a declared camera.
     pub fn look_through(&mut self, camera: &str) {
         self.change(Step::new("Look through a camera", ""), |view| {
             view.preferences.camera = Some(camera.to_owned());

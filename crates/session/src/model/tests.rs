@@ -578,3 +578,60 @@ fn a_mirrored_geodesic_camera_has_its_up_where_its_down_was() {
     model.undo();
     assert_eq!(model.view.inside["s"].chart(), Some(&before));
 }
+
+#[test]
+fn a_new_camera_has_a_name_that_is_free() {
+    assert_eq!(model("point p = (1, 0, 0);").free_camera_name(), "eye");
+    let taken = model(
+        "param eye : [0, 1]; param lens : [0, 1]; param observer : [0, 1]; param eye2 : [0, 1];",
+    );
+    assert_eq!(taken.free_camera_name(), "eye3");
+}
+
+#[test]
+fn the_scene_of_a_script_is_that_of_its_params() {
+    let text = "Scene {
+        if (t > 5) { Box { cornerA -> vec3(-4, -1, 7) cornerB -> vec3(-2, 1, 9) } }
+        Sphere { center -> vec3(2, 0, 8) radius -> 1 }
+    }";
+    let languages = ide::Languages::standard();
+    let language = languages.for_path("a.crt".as_ref());
+    let source = SourceText {
+        language: &**language,
+        text,
+        changes: None,
+    };
+    let mut model = Model::default();
+    model.take(Reader::default().read(&source).compiled(1, text.into()));
+    let hide = |view: &mut View| view.looks.entry("3:9".into()).or_default().hidden = true;
+    model.adjust(hide);
+    let names = |model: &Model| -> Vec<String> {
+        let scene = model.scene.as_ref().expect("a scene");
+        scene
+            .objects
+            .iter()
+            .map(|object| object.name.clone())
+            .collect()
+    };
+    let hidden = |model: &Model| {
+        model
+            .hidden()
+            .into_iter()
+            .map(|id| id.index())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(
+        (names(&model), hidden(&model)),
+        (vec!["3:9".to_owned()], vec![0])
+    );
+    set(&mut model, "t", 7.0);
+    assert_eq!(
+        (names(&model), hidden(&model)),
+        (vec!["2:22".to_owned(), "3:9".to_owned()], vec![1])
+    );
+    model.undo();
+    assert_eq!(
+        (names(&model), hidden(&model)),
+        (vec!["3:9".to_owned()], vec![0])
+    );
+}

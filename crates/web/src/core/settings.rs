@@ -117,18 +117,24 @@ impl Core {
         self.editing.write_param(param, &values.unwrap_or_default())
     }
 
-    /// Returns the edit that gives a camera of the text the position of the 3D view's camera.
+    /// The edit after which a camera of the text stands where that of the 3D view is: the one of a name, or a new one, of another
+    /// name where this one is taken.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
     pub(super) fn write_camera(&mut self, name: &str) -> Result<Value, String> {
         self.read();
+        let mut cameras = self.model.declared_cameras();
+        let name = match cameras.any(|camera| camera.name == name) {
+            false if self.model.place_of(name).is_some() => self.model.free_camera_name(),
+            _ => name.to_owned(),
+        };
         let camera = self.model.view.space.zip(self.model.scene.as_ref());
         let (camera, scene) = camera.ok_or("nothing is visible in space yet")?;
         // Scripts may name the axes of space otherwise.
         let [eye, target] = [camera.eye, camera.target].map(|place| scene.stated(place));
         let direction = [0, 1, 2].map(|k| target[k] - eye[k]);
-        self.editing.write_camera(name, direction, eye)
+        self.editing.write_camera(&name, direction, eye)
     }
 }
 

@@ -20,12 +20,16 @@ struct Page {
 
 impl Page {
     fn open(text: &str) -> Self {
+        Self::open_as("a.gtr", text)
+    }
+
+    fn open_as(name: &str, text: &str) -> Self {
         let mut page = Self {
             core: Core::new(),
             now: 0.0,
             events: Vec::new(),
         };
-        let program = json!({ "name": "a.gtr", "text": text, "version": 1 });
+        let program = json!({ "name": name, "text": text, "version": 1 });
         page.call("open", program).expect("it opens");
         page
     }
@@ -407,6 +411,35 @@ fn files_hold_what_is_shown() {
 }
 
 #[test]
+fn the_mesh_of_a_script_is_that_of_its_params() {
+    let script = "Scene {
+        k = 0
+        while (k <= t) {
+            Sphere { center -> vec3(3*k, 0, 0) radius -> 1 }
+            k = k + 1
+        }
+    }";
+    let mut page = Page::open_as("a.crt", script);
+    page.panes(&["3d"]);
+    page.work();
+    let balls = |page: &mut Page| {
+        let saved = page.core.save_mesh("obj").expect("a mesh");
+        let text = String::from_utf8(saved.bytes).expect("a text");
+        text.lines().filter(|line| line.starts_with("o ")).count()
+    };
+    assert_eq!(balls(&mut page), 1);
+    page.tell("change", json!({ "patch": { "params": { "t": [3] } } }));
+    assert_eq!(balls(&mut page), 4);
+    page.work();
+    let scenes = page.events.iter().rev();
+    let mut scenes = scenes.filter_map(|event| match event {
+        CoreEvent::Scene(scene) => Some(scene.objects.len()),
+        _ => None,
+    });
+    assert_eq!(scenes.next(), Some(4));
+}
+
+#[test]
 fn a_param_and_a_camera_are_written_into_the_text() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);
@@ -427,6 +460,16 @@ fn a_param_and_a_camera_are_written_into_the_text() {
         "{edit}"
     );
     assert!(page.call("writeParam", json!({ "param": "q" })).is_err());
+    // `r` is the name of a param.
+    let edit = page.call("writeCamera", json!({ "name": "r" }));
+    let edit = edit.expect("an edit");
+    assert!(
+        edit["insert"]
+            .as_str()
+            .expect("a text")
+            .contains("camera eye"),
+        "{edit}"
+    );
 }
 
 #[test]

@@ -124,9 +124,14 @@ pub(in crate::command) fn textures(
             images.background = Some(load()?.into());
             continue;
         }
-        let solid = scene.object(&file.object);
-        if let Some((solid, _)) = solid.filter(|(_, object)| object.shape.solid().is_some()) {
-            images.loaded.push((solid, load()?.into()));
+        let named = scene.objects_named(&file.object);
+        let solids = named.filter(|(_, object)| object.shape.solid().is_some());
+        let solids: Vec<ObjectId> = solids.map(|(id, _)| id).collect();
+        if !solids.is_empty() {
+            let image = Shared::from(load()?);
+            images
+                .loaded
+                .extend(solids.into_iter().map(|solid| (solid, image.clone())));
             continue;
         }
         let (surface, _) = program.surface(Some(&file.object))?;

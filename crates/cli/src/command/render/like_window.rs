@@ -19,9 +19,11 @@ pub(super) fn completed(
     let views = &context.registry.views;
     let ViewId { kind, object } = arguments.view(program.scene());
     let of_object = views.get(&kind).is_some_and(|view| view.is_of_object());
-    let object = match of_object {
-        true => Some(program.ground(object.as_deref())?.1.name.clone()),
-        false => None,
+    // The objects of a name are those of the values that the window remembers, or of those that are given.
+    let object = match (of_object, object) {
+        (true, Some(name)) => Some(name),
+        (true, None) => Some(program.ground(None)?.1.name.clone()),
+        (false, _) => None,
     };
     let request = remembered(arguments, program, context, &ViewId { kind, object })?;
     let options = export::command_line::options(&request, views);

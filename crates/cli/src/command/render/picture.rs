@@ -28,9 +28,9 @@ pub(super) fn request(
     arguments: &Arguments,
     views: &Views,
     program: &LoadedProgram,
+    params: ParamValues,
     images: &Images,
 ) -> Result<PictureRequest, Failure> {
-    let params = program.params(&arguments.set)?;
     let view = view(arguments, views, program, &params)?;
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
@@ -157,10 +157,12 @@ fn colours(
     arguments: &Arguments,
     program: &LoadedProgram,
 ) -> Result<Vec<(ObjectId, [u8; 3])>, Failure> {
-    let chosen = arguments.colour.iter();
-    let chosen =
-        chosen.map(|ObjectColour { object, colour }| Ok((program.object(object)?, *colour)));
-    chosen.collect()
+    let mut chosen = Vec::new();
+    for ObjectColour { object, colour } in &arguments.colour {
+        let objects = program.objects(object)?.into_iter();
+        chosen.extend(objects.map(|id| (id, *colour)));
+    }
+    Ok(chosen)
 }
 
 /// Returns the surfaces whose images are turned over.
@@ -221,8 +223,8 @@ fn view(
         let [r, g, b] = style::PAPER;
         let of_theme = (arguments.theme == Theme::Print).then_some([r, g, b, 255]);
         space.background = arguments.background.or(of_theme);
-        let hidden = arguments.hide.iter().map(|name| program.object(name));
-        space.hidden = hidden.collect::<Result<_, _>>()?;
+        let hidden = arguments.hide.iter().map(|name| program.objects(name));
+        space.hidden = hidden.collect::<Result<Vec<_>, _>>()?.concat();
     }
     let shown = match (&arguments.show_camera, view.geodesic_camera()) {
         (_, Some(own)) => Some(own.surface),
@@ -322,6 +324,20 @@ pub(super) fn empty_space(scene: &Scene, view: &ViewPart) -> Option<String> {
         ),
         None => "the picture shows no object".to_owned(),
     })
+}
+
+/// Notes on colours that are not shown, since the program states others.
+pub(super) fn idle_colours(arguments: &Arguments, request: &PictureRequest) -> Vec<String> {
+    let states = |name: &String| {
+        let mut objects = request.scene.objects_named(name);
+        objects.all(|(id, _)| request.keeps_stated_colour(id))
+    };
+    let names = arguments.colour.iter().map(|chosen| &chosen.object);
+    let idle = names.filter(|name| states(name));
+    idle.map(|name| {
+        format!("--colour {name}: the program states a `color` of `{name}`, and that is shown")
+    })
+    .collect()
 }
 
 /// Notes on options that the chosen view does not use.

@@ -104,13 +104,17 @@ impl Bench {
         let Some(crate::command::Command::Render(arguments)) = parsed.command else {
             panic!("another command");
         };
-        let images = textures(&arguments.texture, None, &self.program).expect("images");
-        let request = picture::request(&arguments, self.views(), &self.program, &images);
+        let path = self.folder.path().join(NAME);
+        let mut program =
+            LoadedProgram::load(&self.context, &path, Format::Human).expect("no errors");
+        let params = program.params(&arguments.set).expect("values");
+        let images = textures(&arguments.texture, None, &program).expect("images");
+        let request = picture::request(&arguments, self.views(), &program, params, &images);
         request.unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"))
     }
 
     fn object(&self, name: &str) -> ObjectId {
-        self.program.object(name).expect("it is declared")
+        self.program.objects(name).expect("it is declared")[0]
     }
 }
 

@@ -12,11 +12,14 @@ use std::sync::Arc;
 use export::animation::{self, Clip, Course, ParamChange, Script};
 use export::animation_file::{AnimationError, AnimationFile};
 use image::RgbaImage;
+use render::figure::Figure;
 use render::shared::Shared;
+use render::trail::{Trail, TrailKind};
 use render::{PictureRequest, Renderer, Views};
 use scene::ObjectId;
 use session::InsideCamera;
 use session::camera_controller::{CameraController, Subject};
+use session::figures::measured;
 use session::motion::Motion;
 use session::path::{CameraPath, between};
 
@@ -39,6 +42,8 @@ pub(crate) struct Film {
     pub(crate) motions: Vec<Motion>,
     /// True if its path is drawn.
     pub(crate) trail: bool,
+    /// The figure whose lines are among those of the request, with its surface.
+    pub(crate) figure: Option<(ObjectId, Figure)>,
     pub(crate) transparent: bool,
     pub(crate) clip: Clip,
 }
@@ -89,6 +94,42 @@ impl Film {
                 )
             }
         })
+    }
+}
+
+impl Film {
+    /// The lines that the view shows on its surfaces, as they are for the params of a picture. The path of the camera that walks
+    /// is not among them: it grows.
+    fn lines(&self, request: &PictureRequest) -> Vec<Shared<Trail>> {
+        let walks = self.camera.filter(|_| !self.motions.is_empty());
+        let is_own = |trail: &Trail| {
+            let is_walked = trail.kind == TrailKind::Walked;
+            is_walked && walks.is_some_and(|(surface, _)| surface == trail.surface)
+        };
+        let shown = self.request.trails.iter().filter(|trail| !is_own(trail));
+        if request.params == self.request.params {
+            return shown.cloned().collect();
+        }
+        let subject = |surface| Subject {
+            scene: Arc::clone(request.scene.arc()),
+            settings: Arc::clone(&request.params),
+            surface,
+        };
+        let walked = shown.filter(|trail| trail.kind == TrailKind::Walked);
+        let walked = walked.filter_map(|trail| {
+            let manifold = subject(trail.surface).manifold().ok()?;
+            let points = trail.points.clone();
+            Some(Trail::through(manifold.surface(), trail.surface, points).into())
+        });
+        let mut lines: Vec<Shared<Trail>> = walked.collect();
+        if let Some((surface, figure)) = &self.figure {
+            let subject = subject(*surface);
+            if let Ok(manifold) = subject.manifold() {
+                let measured = measured(manifold.surface(), &subject, figure);
+                lines.extend(measured.lines.into_iter().map(Shared::from));
+            }
+        }
+        lines
     }
 }
 
@@ -181,8 +222,9 @@ impl Pictures {
             request.view.show_camera(camera.on(surface));
         }
         request.size = film.clip.size;
+        request.trails = film.lines(&request);
         let trail = self.path.iter().map(|path| Shared::from(&path.trail));
-        request.trails = trail.collect();
+        request.trails.extend(trail);
         if let (Some(space), Some(camera)) = (request.view.space_mut(), turned) {
             space.camera = camera;
             if film.transparent {
@@ -192,5 +234,81 @@ impl Pictures {
         let drawn = self.renderer.draw(&request);
         let image = drawn.and_then(|drawn| self.renderer.read(drawn.image));
         image.map_err(|error| failed(error.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use render::figure::FigureKind;
+    use scene::ParamValues;
+
+    use super::*;
+
+    #[test]
+    fn a_recording_has_the_lines_of_the_view_as_they_are_for_its_params() {
+        let text = "param r = 1 : [1, 2]; surface s(u, v) = (r u, r v, 0), u : [0, 1], v : [0, 1];";
+        let scene = Arc::new(scene::geotrace::compile(text).scene.expect("no errors"));
+        let surface = ObjectId::new(0);
+        let at = |r: f64| {
+            let mut params = ParamValues::initial(&scene);
+            params.set(&scene, "r", &[r]).expect("within its interval");
+            Arc::new(params)
+        };
+        let subject = Subject {
+            scene: scene.clone(),
+            settings: at(1.0),
+            surface,
+        };
+        let manifold = subject.manifold().expect("a surface");
+        let figure = Figure {
+            kind: FigureKind::Distance,
+            places: vec![[0.25, 0.25], [0.75, 0.25]],
+            radius: None,
+        };
+        let walked = Trail::through(manifold.surface(), surface, vec![[0.0, 0.0], [0.0, 1.0]]);
+        let side = measured(manifold.surface(), &subject, &figure).lines;
+        let views = Views::standard();
+        let mut request = PictureRequest::new(&scene, at(1.0), views.first().options(None), [8, 8]);
+        request.trails = std::iter::once(Arc::new(walked))
+            .chain(side)
+            .map(Shared::from)
+            .collect();
+        let film = Film {
+            request: request.clone(),
+            views,
+            camera: None,
+            change: None,
+            turntable: false,
+            course: Course::Once,
+            motions: Vec::new(),
+            trail: false,
+            figure: Some((surface, figure)),
+            transparent: false,
+            clip: Clip {
+                frames: 2,
+                size: [8, 8],
+                rate: 25.0,
+            },
+        };
+        assert_eq!(film.lines(&request), request.trails);
+        let lengths = |request: &PictureRequest| {
+            let lines = film.lines(request);
+            let longest = |is_walked: bool| {
+                let of_kind = lines
+                    .iter()
+                    .filter(|line| (line.kind == TrailKind::Walked) == is_walked);
+                of_kind.map(|line| line.length).fold(0.0, f64::max)
+            };
+            [true, false].map(longest)
+        };
+        let near = |found: [f64; 2], expected: [f64; 2]| {
+            assert!(
+                (0..2).all(|k| (found[k] - expected[k]).abs() < 1e-6),
+                "{found:?}"
+            );
+        };
+        near(lengths(&request), [1.0, 0.5]);
+        request.params = at(2.0);
+        near(lengths(&request), [2.0, 1.0]);
     }
 }

@@ -392,16 +392,13 @@ fn write_mesh(window: &Window, path: &str) {
     // Colours and textures are those of the first view.
     let first = ViewId::of_scene(window.views.first().name());
     let request = window
-        .pictures
-        .sent(&first)
-        .or_else(|| window.pictures.sent(&window.focus.view));
-    let Some(request) = request.cloned() else {
+        .kept(&first)
+        .or_else(|| window.kept(&window.focus.view));
+    let Some(request) = request else {
         return;
     };
     let path = PathBuf::from(path);
-    report_when_done(window.events.status(), move || {
-        save_mesh(&path, &request.with_curvatures())
-    });
+    report_when_done(window.events.status(), move || save_mesh(&path, &request));
 }
 
 fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
@@ -416,7 +413,7 @@ fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
     let told = told.map_err(|error| error.to_string())?;
     write_whole(path, &bytes)
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
-    let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+    let triangles = model.triangles(format);
     let notes = model.notes.iter().chain(&told).cloned();
     let sentence = format!("{triangles} triangles were saved in `{}`", path.display());
     Ok(std::iter::once(sentence)

@@ -299,7 +299,14 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
     if !chosen.is_walk() && request.view.shown_camera().is_none() {
         camera = None;
     }
+    // In a view from inside, those on its own surface are shown.
+    let own = request.view.geodesic_camera().map(|camera| camera.surface);
+    let figure = window.dialogs.measuring.figure().and_then(|placed| {
+        let id = id_of(&placed.surface)?;
+        (own.is_none_or(|own| own == id)).then(|| (id, placed.figure.clone()))
+    });
     let film = Film {
+        figure,
         request,
         views: window.views.clone(),
         camera,

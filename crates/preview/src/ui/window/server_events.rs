@@ -17,9 +17,6 @@ use super::pane_view::{PaneView, Waiting};
 use super::text::TextSource;
 use crate::engine::compiler::CompiledText;
 
-/// The names for a new camera in the text: the first free one is used.
-const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
-
 /// The state of the reports to the server.
 #[derive(Debug, Default)]
 pub(super) struct ServerReports {
@@ -156,11 +153,8 @@ impl Window {
             return;
         };
         let declared = self.model.declared_camera();
-        let is_free = |name: &&str| self.model.place_of(name).is_none();
-        let free = || NEW_CAMERAS.into_iter().find(is_free).unwrap_or_default();
-        let name = declared
-            .map_or_else(free, |camera| &*camera.name)
-            .to_owned();
+        let free = || self.model.free_camera_name();
+        let name = declared.map_or_else(free, |camera| camera.name.clone());
         let direction = [0, 1, 2].map(|k| camera.target[k] - camera.eye[k]);
         // The text may have other coordinates than the scene.
         let stated = |vector| match &self.model.scene {

@@ -11,6 +11,9 @@ use super::keys;
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::{TextSource, Window, WindowText};
 
+/// The most places that are marked.
+const MOST_MARKED: usize = 1000;
+
 /// The search.
 #[derive(Debug, Default)]
 pub(crate) struct Find {
@@ -169,10 +172,14 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
             &[]
         };
         if !replaced.is_empty() {
-            let mut text = editor.text.clone();
-            for place in replaced.iter().rev() {
-                text.replace_range(place.clone(), &find.replacement);
+            let mut text = String::with_capacity(editor.text.len());
+            let mut from = 0;
+            for place in replaced {
+                text.push_str(&editor.text[from..place.start]);
+                text.push_str(&find.replacement);
+                from = place.end;
             }
+            text.push_str(&editor.text[from..]);
             editor.replace(text);
             // Undo, and the keys that follow, apply to the text.
             editor.wants_keys = true;
@@ -206,7 +213,8 @@ pub(super) fn mark(ui: &Ui, output: &TextEditOutput, text: &str, find: &Find) {
     }
     let clip = ui.clip_rect();
     let colour = ui.visuals().warn_fg_color;
-    for (k, place) in typing::find(text, &find.wanted).into_iter().enumerate() {
+    let places = typing::find(text, &find.wanted).into_iter().enumerate();
+    for (k, place) in places.filter(|(k, _)| *k < MOST_MARKED || *k == find.current) {
         let alpha = if k == find.current { 0.45 } else { 0.2 };
         for rect in rects(output, text, place) {
             if clip.intersects(rect) {
