@@ -21,7 +21,7 @@ use tracer::PictureLook;
 
 use scene::Scene;
 
-use super::animation::{self, Animation};
+use super::animation;
 use crate::argument::{
     self, Assignment, Choice, FigureArgument, Format, ObjectColour, PathArgument, PlaceArgument,
     Quantity, Size, TextureFile, Triple,
