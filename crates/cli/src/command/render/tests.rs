@@ -110,7 +110,12 @@ impl Bench {
         let params = program.params(&arguments.set).expect("values");
         let images = textures(&arguments.texture, None, &program).expect("images");
         let request = picture::request(&arguments, self.views(), &program, params, &images);
-        request.unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"))
+        let request = request.unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"));
+        // Scenes are equal if they are one.
+        PictureRequest {
+            scene: self.program.scene().into(),
+            ..request
+        }
     }
 
     fn object(&self, name: &str) -> ObjectId {
