@@ -115,8 +115,8 @@ impl LoadedProgram {
         Some(&self.scene.get(id)?.name)
     }
 
-    /// The params at their initial values, changed by the `--set` arguments. The program has the scene that they make from then
-    /// on.
+    /// Returns the params at their initial values, changed by the `--set` arguments. From then on the program has the scene of
+    /// these params.
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
@@ -249,7 +249,7 @@ impl LoadedProgram {
         self.first_of(name, "surface, metric or solid", &is_ground)
     }
 
-    /// Finds the objects of a name: several of a script may share one.
+    /// Finds the objects with a name: several objects of a script may share one.
     ///
     /// # Errors
     /// [`Failure::Usage`] if there is no such object.
@@ -326,7 +326,7 @@ impl LoadedProgram {
     }
 }
 
-/// The names of objects in quotes, each once.
+/// Returns the names of objects in backquotes, each once.
 pub(crate) fn quoted<'a>(objects: impl Iterator<Item = &'a Object>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for object in objects {
@@ -338,7 +338,7 @@ pub(crate) fn quoted<'a>(objects: impl Iterator<Item = &'a Object>) -> Vec<Strin
     names
 }
 
-/// Words with commas, and an `and` before the last.
+/// Joins words with commas, and an `and` before the last.
 fn joined(words: &[String]) -> String {
     match words {
         [] => String::new(),

@@ -274,7 +274,7 @@ impl Model {
         out.flush()?;
         if !left_out.is_empty() {
             notes.push(format!(
-                "{} has no place for what is not a surface: {} left out",
+                "{} holds surfaces only: {} left out",
                 format.name(),
                 listed(&left_out)
             ));
@@ -282,7 +282,7 @@ impl Model {
         Ok(notes)
     }
 
-    /// The number of triangles in a file.
+    /// Returns the number of triangles in a file.
     pub fn triangles(&self, format: MeshFormat) -> usize {
         let parts = self.parts.iter();
         parts
@@ -317,8 +317,8 @@ impl Model {
                 return None;
             };
             Some(format!(
-                "{loss}: {format} has single precision, which does not tell such places apart; larger, or nearer to zero, they \
-                 keep their shape"
+                "{loss}: {format} has single precision, which cannot distinguish such points; scale the object up, or move it \
+                 towards the origin"
             ))
         };
         self.parts.iter().filter_map(note).collect()
@@ -353,8 +353,8 @@ impl Part {
         (0..count).map(own).collect()
     }
 
-    /// The number of vertices in a file: in OBJ and PLY, one for each place; else one for each corner with a normal or texture
-    /// coordinates of its own.
+    /// Returns the number of vertices in a file: in OBJ and PLY, one per point; otherwise one per corner with its own
+    /// normal or texture coordinates.
     pub fn vertices(&self, format: MeshFormat) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => match format {
@@ -451,17 +451,17 @@ impl PlaceCount {
         let Self { defined, beyond } = *self;
         let subject = match some {
             _ if beyond == 0 => return None,
-            true => format!("{beyond} of the {defined} places of `{name}` are left out"),
+            true => format!("{beyond} of the {defined} points of `{name}` are left out"),
             false => format!("`{name}` is left out"),
         };
         Some(format!(
-            "{subject}: files of meshes have single precision, which does not hold places so far away"
+            "{subject}: mesh files have single precision, which cannot hold points this far away"
         ))
     }
 }
 
-/// The shape of an object that is no solid, if any of it is defined, with the colours of its places where instances differ in
-/// them, and sentences for the user. `own` are the colours of the instances.
+/// Returns the shape of an object that is not a solid, if it is defined anywhere, with the colours of its points if its
+/// instances differ in colour, and sentences for the user. `own` are the colours of the instances.
 fn geometry(
     request: &PictureRequest,
     id: ObjectId,

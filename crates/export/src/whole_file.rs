@@ -16,7 +16,7 @@ use tempfile::{NamedTempFile, TempPath};
 
 /// The prefix of each temporary file's name; short, so that a target's name may have the maximum length.
 const PREFIX: &str = ".geotrace-";
-/// The most links to a file that does not exist that are followed; Linux follows as many.
+/// The maximum number of links that are followed to a file that does not exist, as on Linux.
 const MOST_LINKS: u32 = 40;
 
 /// Writes a file, completely or not at all.
@@ -268,7 +268,7 @@ impl Unnamed {
     }
 }
 
-/// The path behind symbolic links, also behind those to a file that does not exist yet.
+/// Returns the path with symbolic links resolved, also those to a file that does not exist yet.
 fn resolved(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {

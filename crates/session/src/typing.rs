@@ -185,7 +185,7 @@ pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 
     None
 }
 
-/// Returns the places of a text in another; capitals count if the wanted text has some.
+/// Returns the occurrences of a text in another; case matters if the wanted text has capitals.
 pub fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
     if wanted.is_empty() {
         return Vec::new();

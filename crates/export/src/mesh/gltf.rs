@@ -351,7 +351,7 @@ impl GltfDocument {
     }
 }
 
-/// The middle of all places if they lie far from zero, otherwise zero.
+/// Returns the centre of all points if it is far from the origin, otherwise zero.
 pub(super) fn shift(model: &Model) -> [f32; 3] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for part in &model.parts {

@@ -93,13 +93,13 @@ impl Mesh {
         triangle.map(|vertex| self.places[self.vertices[vertex as usize].place as usize])
     }
 
-    /// The corners in single precision, after `shift` is subtracted.
+    /// Returns the corners in single precision, after `shift` is subtracted.
     pub(super) fn single_corners(&self, triangle: [u32; 3], shift: [f32; 3]) -> [[f32; 3]; 3] {
         self.corners(triangle)
             .map(|place| std::array::from_fn(|k| (place[k] - f64::from(shift[k])) as f32))
     }
 
-    /// The number of triangles of which corners coincide in single precision, after `shift` is subtracted.
+    /// Returns the number of triangles with corners that coincide in single precision, after `shift` is subtracted.
     pub(super) fn collapsed(&self, shift: [f32; 3]) -> usize {
         let triangles = self.triangles.iter();
         triangles
@@ -107,7 +107,8 @@ impl Mesh {
             .count()
     }
 
-    /// The greatest change of a coordinate by single precision, after `shift` is subtracted, as a share of the mesh's size.
+    /// Returns the largest rounding error of a coordinate in single precision, after `shift` is subtracted, as a fraction of
+    /// the mesh's size.
     pub(super) fn rounding(&self, shift: [f32; 3]) -> f64 {
         let (mut low, mut high, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
         for place in &self.places {
@@ -121,7 +122,7 @@ impl Mesh {
         if size > 0.0 { most / size } else { 0.0 }
     }
 
-    /// The unit normal of a triangle; zero if it has none.
+    /// Returns the unit normal of a triangle; zero if it has none.
     pub fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
         let [a, b, c] = self.corners(triangle).map(DVec3::from);
         let scale = (b - a).abs().max((c - a).abs()).max_element();
@@ -164,7 +165,7 @@ pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     if all.is_finite() { all } else { 0.0 }
 }
 
-/// The distance of two places of any size: squares of tiny coordinates would be zero.
+/// Returns the distance of two points of any magnitude: the squares of tiny coordinates would be zero.
 pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let apart = DVec3::from(a) - DVec3::from(b);
     let scale = apart.abs().max_element();

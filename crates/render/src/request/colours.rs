@@ -18,7 +18,7 @@ impl PictureRequest {
         self.states_colour(object) || self.scene.get(object).is_some_and(is_stated_solid)
     }
 
-    /// Returns true if an object states a colour that is the same at all of the places of an instance.
+    /// Returns true if an object specifies a colour that is the same at all points of an instance.
     pub(super) fn states_colour(&self, object: ObjectId) -> bool {
         let stated = || StatedColour::of(&self.scene, self.scene.get(object)?);
         stated().is_some_and(|mut stated| {

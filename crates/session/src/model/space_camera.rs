@@ -6,7 +6,7 @@ use super::Model;
 use crate::camera::SpaceCamera;
 use crate::history::Step;
 
-/// The names of a new camera, of which the first that is free is taken.
+/// The names for a new camera in the text: the first free one is used.
 const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
 
 impl Model {
@@ -39,7 +39,7 @@ impl Model {
         free.unwrap_or_default()
     }
 
-    /// Opens the views in space in a declared camera.
+    /// Opens the views in space from a declared camera.
     pub fn look_through(&mut self, camera: &str) {
         self.change(Step::new("Look through a camera", ""), |view| {
             view.preferences.camera = Some(camera.to_owned());

@@ -53,7 +53,7 @@ impl Core {
             .ok_or_else(|| format!("there is no format `{extension}`"))?;
         let id = ViewId::of_scene(self.views.first().name());
         let request = self.request(&id, [256; 2], false);
-        let request = request.ok_or("there is nothing to be exported")?;
+        let request = request.ok_or("there is nothing to export")?;
         let request = at_rest(request, &self.model, [256; 2]);
         let model = mesh::model(&request, None);
         let mut bytes = Vec::new();
