@@ -2,7 +2,8 @@
 //!
 //! In: intervals of operands. Out: an interval that contains every value of the operation on them, in exact arithmetic
 //! and in f64, and a flag that is set if it may be undefined. The functions of one number are in
-//! `interval/functions.rs`, values with slopes along a line in `interval/slope.rs`.
+//! `interval/functions.rs`, values with slopes along a line in `interval/slope.rs`, values near a linear function in
+//! `interval/affine.rs`.
 //!
 //! Sums, products, quotients and roots, which f64 rounds correctly, are widened by one ulp; functions of the
 //! mathematical library by four. The library `inari` has tighter bounds, but requires a processor of 2013 or newer to be
@@ -13,8 +14,10 @@
 
 use crate::ops::{Arithmetic, Binary, Operation, Unary};
 
+mod affine;
 mod functions;
 mod slope;
+pub use affine::Affine;
 pub use slope::Slope;
 
 /// All numbers from a lower to an upper bound, infinities included; empty if no value is defined.

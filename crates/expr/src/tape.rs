@@ -11,7 +11,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, Input, Node, NodeId};
-use crate::interval::{Interval, Slope};
+use crate::interval::{Affine, Interval, Slope};
 use crate::ops::{self, Binary, Lanes, Unary};
 
 mod lines;
@@ -46,6 +46,8 @@ pub struct Registers {
     interval_waves: ranges::InputWaves<Interval>,
     slopes: Vec<Slope>,
     slope_waves: ranges::InputWaves<Slope>,
+    affines: Vec<Affine>,
+    affine_waves: ranges::InputWaves<Affine>,
 }
 
 /// The source of an instruction's operand.

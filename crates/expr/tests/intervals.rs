@@ -1,7 +1,7 @@
 //! Intervals against the values that they must contain: of every operation, of random expressions, of slopes.
 
 use expr::conformance::{Operation, anchors, cases};
-use expr::interval::{Interval, Slope};
+use expr::interval::{Affine, Interval, Slope};
 use expr::ops::{Binary, Unary};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
@@ -274,6 +274,44 @@ proptest! {
     }
 
     #[test]
+    fn no_expression_is_farther_from_its_linear_function_than_its_error(
+        program in programs(),
+        corner in prop::array::uniform2(-3.0..3.0f64),
+        size in prop::array::uniform2(prop_oneof![Just(0.0), 1e-6..1e-2f64, 0.0..3.0f64]),
+        last in -3.0..3.0f64,
+        shares in prop::collection::vec(prop::array::uniform2(0.0..1.0f64), 8),
+    ) {
+        let mut graph = Graph::default();
+        let root = build(&mut graph, &program);
+        let tape = Tape::new(&graph, &[root]);
+        let sides = [0, 1].map(|k| [corner[k], corner[k] + size[k]]);
+        let inputs = pick(&tape, |k| match k {
+            0 | 1 => Affine::coordinate(k, sides[k]),
+            _ => Affine::constant(last),
+        });
+        let mut out = [Affine::constant(0.0)];
+        tape.eval_affine(&mut Registers::default(), &inputs, &mut out);
+        let [range] = out;
+        for share in shares {
+            let [u, v] = [0, 1].map(|k| (corner[k] + share[k] * size[k]).min(sides[k][1]));
+            let exact = value(&tape, &[u, v, last]);
+            prop_assert!(range.value().contains(exact), "{exact} at {u}, {v} is not in {range:?}");
+            if exact.is_nan() || range.error().is_infinite() {
+                continue;
+            }
+            let [x, y] = [(u, 0), (v, 1)].map(|(at, k)| match size[k] {
+                0.0 => 0.0,
+                size => 2.0 * (at - corner[k]) / size - 1.0,
+            });
+            let [a, b] = range.slopes();
+            let near = range.middle() + a * x + b * y;
+            // x and y are rounded here.
+            let slack = 1e-7 * (a.abs() + b.abs()) + 1e-15 * near.abs();
+            prop_assert!((exact - near).abs() <= range.error() + slack, "{exact} against {range:?}");
+        }
+    }
+
+    #[test]
     fn no_difference_leaves_its_slopes(
         program in programs(),
         origin in prop::array::uniform3(-3.0..3.0f64),
@@ -381,4 +419,29 @@ fn the_slope_of_a_quotient_is_tight_where_its_divisor_has_no_zero() {
     ] {
         assert_eq!(reciprocal(value), [f64::NEG_INFINITY, f64::INFINITY]);
     }
+}
+
+#[test]
+fn the_error_of_a_linear_function_shrinks_by_squares() {
+    // A unit vector along (cos u, sin u, v): each of its intervals shrinks by the side of the rectangle alone.
+    let mut graph = Graph::default();
+    let [u, v] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+    let along = [graph.unary(Unary::Cos, u), graph.unary(Unary::Sin, u), v];
+    let squares = along.map(|x| graph.integer_power(x, 2));
+    let sum = graph.add(squares[0], squares[1]);
+    let sum = graph.add(sum, squares[2]);
+    let length = graph.unary(Unary::Sqrt, sum);
+    let unit = along.map(|x| graph.div(x, length));
+    let tape = Tape::new(&graph, &unit);
+    let error = |half: f64| {
+        let sides = [0.7, 0.4].map(|at| [at - half, at + half]);
+        let inputs = [0, 1].map(|k| Affine::coordinate(k, sides[k]));
+        let mut out = [Affine::constant(0.0); 3];
+        tape.eval_affine(&mut Registers::default(), &inputs, &mut out);
+        out.iter().map(Affine::error).fold(0.0, f64::max)
+    };
+    // The second derivatives are about 1.
+    assert!(error(1e-2) < 4e-4 && error(1e-4) < 3e-8, "{}", error(1e-2));
+    let ratio = error(1e-2) / error(1e-3);
+    assert!((90.0..110.0).contains(&ratio), "{ratio}");
 }

@@ -1,9 +1,10 @@
 //! Evaluation on intervals.
 //!
 //! In: an interval for each input. Out: for each root an interval that contains its values, by the same instructions
-//! that evaluate numbers; with slopes, also their derivatives along a line.
+//! that evaluate numbers; with slopes, also their derivatives along a line; or the linear functions of two coordinates
+//! that the values are near.
 
-use crate::interval::{Interval, Slope};
+use crate::interval::{Affine, Interval, Slope};
 use crate::ops::{Binary, Unary};
 use crate::tape::{Operand, Registers, Tape, TapeOperation};
 
@@ -51,6 +52,19 @@ impl Tape {
             ..
         } = registers;
         self.eval_ranges(slopes, slope_waves, inputs, out);
+    }
+
+    /// Evaluates near linear functions on a rectangle.
+    ///
+    /// # Panics
+    /// If `inputs` or `out` is not of the length of [`Tape::inputs`] or of the roots.
+    pub fn eval_affine(&self, registers: &mut Registers, inputs: &[Affine], out: &mut [Affine]) {
+        let Registers {
+            affines,
+            affine_waves,
+            ..
+        } = registers;
+        self.eval_ranges(affines, affine_waves, inputs, out);
     }
 
     fn eval_ranges<R: Range>(
@@ -124,6 +138,32 @@ impl Range for Interval {
 }
 
 impl Range for Slope {
+    fn constant(x: f64) -> Self {
+        Self::constant(x)
+    }
+
+    fn unary(op: Unary, a: Self) -> Self {
+        Self::unary(op, a)
+    }
+
+    fn waves(self) -> [Self; 2] {
+        self.waves()
+    }
+
+    fn binary(op: Binary, a: Self, b: Self) -> Self {
+        Self::binary(op, a, b)
+    }
+
+    fn square(self) -> Self {
+        self.square()
+    }
+
+    fn integer_power(self, n: i32) -> Self {
+        self.integer_power(n)
+    }
+}
+
+impl Range for Affine {
     fn constant(x: f64) -> Self {
         Self::constant(x)
     }

@@ -92,6 +92,15 @@ impl Formula {
         self.binary(Binary::Max, other)
     }
 
+    /// The derivative by a variable.
+    pub fn derivative(&self, variable: u32) -> Self {
+        let mut graph = self.graph.borrow_mut();
+        let derivatives = graph.derivatives(&[self.node], Input::Variable(variable));
+        let node = derivatives.map_or(self.node, |all| all[0]);
+        drop(graph);
+        self.with(node)
+    }
+
     fn with(&self, node: NodeId) -> Self {
         Self {
             graph: self.graph.clone(),
