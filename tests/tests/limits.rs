@@ -255,6 +255,13 @@ fn pictures() -> Vec<Limit> {
             "",
         ),
         limit(
+            "parts of parametric surfaces that are halved for rays of the traced view and kept for others; beyond, they are halved for each ray",
+            grouped(tracer::MOST_HALVED as u64),
+            "memory: about 100 MB",
+            "",
+            "",
+        ),
+        limit(
             "operations on solids, lights and surfaces in a 3D picture, or in a sample of a traced one, besides those for its pixels",
             grouped(render::MOST_OPERATIONS),
             "run time: seconds",

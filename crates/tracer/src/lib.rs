@@ -88,6 +88,6 @@ pub use contour::{SolidMesh, contour};
 pub use field::{MOST_RAY_EVALUATIONS, TILE_RAY_OPERATIONS};
 pub use line::{Ray, SurfaceId};
 pub use look::{PictureLook, decoded, encoded, gamma_encoded};
-pub use sheet::{Sheet, SheetCounters, SheetHit, SheetScratch};
+pub use sheet::{MOST_HALVED, Sheet, SheetCounters, SheetHit, SheetScratch};
 pub use sheets::{Sheets, SheetsRay};
 pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder, is_singular};

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::bounds::BoundingBox;
 use crate::bvh::Hierarchy;
-use crate::sheet::{Sheet, SheetHit, SheetScratch};
+use crate::sheet::{MOST_HALVED, Sheet, SheetHit, SheetScratch};
 
 /// Parametric surfaces by their numbers.
 #[derive(Debug, Default)]
@@ -19,7 +19,11 @@ pub struct Sheets {
 
 impl Sheets {
     /// Prepares the surfaces.
-    pub fn new(all: Vec<Sheet>) -> Self {
+    pub fn new(mut all: Vec<Sheet>) -> Self {
+        let share = MOST_HALVED / all.len().max(1);
+        for sheet in &mut all {
+            sheet.keep_at_most(share);
+        }
         let boxed: Vec<u32> = (0..all.len() as u32)
             .filter(|&k| !all[k as usize].bounds().is_empty())
             .collect();

@@ -11,6 +11,7 @@ mod formula;
 mod scenes;
 use formula::{Formula, variables};
 use scenes::Random;
+use scenes::sheets::{NamedSheet, sheets};
 
 fn sheet(components: &[Formula; 3], domain: [[f64; 2]; 2]) -> Sheet {
     let nodes: [NodeId; 3] = [0, 1, 2].map(|k| components[k].node());
@@ -161,42 +162,42 @@ fn a_sheet_that_is_undefined_or_degenerate_has_an_answer() {
         line.cast(&mut scratch, DVec3::new(0.5, 0.5, -3.0), DVec3::Z, None)
             .is_empty()
     );
+    // A pole in the middle of the domain, in a cell and where cells meet.
+    for at in [0.1, 0.0] {
+        let pole = sheet(&[u.clone(), v.clone(), 1.0 / (u - at)], [[-1.0, 1.0]; 2]);
+        for k in 1..100 {
+            let step = 0.9f64.powi(k);
+            for place in [at - step, at + step].into_iter().filter(|x| x.abs() < 1.0) {
+                let origin = DVec3::new(place, 0.3, 0.0);
+                let height = 1.0 / (place - at);
+                let direction = height.signum() * DVec3::Z;
+                let hits = pole.cast(&mut scratch, origin, direction, None);
+                assert_eq!(hits.len(), 1, "{place}: {hits:?}");
+                assert!((hits[0].t / height.abs() - 1.0).abs() < 1e-9, "{hits:?}");
+            }
+        }
+    }
     let half = sheet(&[u.clone(), v.sqrt(), u * v], [[-1.0, 1.0]; 2]);
     let hits = half.cast(&mut scratch, DVec3::new(0.25, 0.5, -3.0), DVec3::Z, None);
     assert_eq!(hits.len(), 1);
     assert!((hits[0].t - 3.0625).abs() < 1e-12);
 }
 
-/// A surface with its name and its domain.
-type NamedShape = (&'static str, [Formula; 3], [[f64; 2]; 2]);
+/// Surfaces with folds, poles, tips, pinches, waves and kinks, and tubes whose frames are derivatives.
+fn shapes() -> Vec<NamedSheet> {
+    let mut all = sheets(&variables());
+    all.extend(simple_shapes(&variables()));
+    all
+}
 
-/// Surfaces with folds, poles, tips, pinches and waves.
-fn shapes() -> Vec<NamedShape> {
-    let [u, v, _] = &variables();
-    let tube = &(1.0 + 0.4 * v.cos());
-    let half = &(0.5 * u);
-    let klein = &(2.0 + half.cos() * v.sin() - half.sin() * (2.0 * v).sin());
+fn simple_shapes([u, v, _]: &[Formula; 3]) -> Vec<NamedSheet> {
     let waves = &(0.3 * (3.0 * u).sin() * (5.0 * v).cos());
     let far = &(1e6 + u.cos());
     vec![
         (
-            "torus",
-            [tube * u.cos(), tube * u.sin(), 0.4 * v.sin()],
-            [[0.0, TAU]; 2],
-        ),
-        (
             "ball",
             [u.sin() * v.cos(), u.sin() * v.sin(), u.cos()],
             [[0.0, PI], [0.0, TAU]],
-        ),
-        (
-            "klein",
-            [
-                klein * u.cos(),
-                klein * u.sin(),
-                half.sin() * v.sin() + half.cos() * (2.0 * v).sin(),
-            ],
-            [[0.0, TAU]; 2],
         ),
         (
             "waves",
@@ -217,6 +218,11 @@ fn shapes() -> Vec<NamedShape> {
             "thin",
             [u.cos(), 1e-3 * u.sin(), v.clone()],
             [[0.0, TAU], [-1.0, 1.0]],
+        ),
+        (
+            "kinks",
+            [u.clone(), v.clone(), (u - 0.3).abs().max(&(u * v))],
+            [[-1.0, 1.0]; 2],
         ),
         (
             "far",
@@ -346,5 +352,68 @@ fn a_ray_costs_few_evaluations() {
         );
         assert!(places < 8.0, "{name}: {places} evaluations for a hit");
         assert!(cells < 8.0, "{name}: {cells} cells are divided for a ray");
+    }
+}
+
+#[test]
+fn rays_meet_the_same_places_in_any_order_and_without_what_is_kept() {
+    let rays = rays(400);
+    for (name, components, domain) in sheets(&variables()) {
+        let hits = |kept: usize, order: &mut dyn Iterator<Item = usize>| {
+            let mut surface = sheet(&components, domain);
+            surface.keep_at_most(kept);
+            let mut scratch = SheetScratch::default();
+            let mut all = vec![Vec::new(); rays.len()];
+            for k in order {
+                let Ray {
+                    origin, direction, ..
+                } = rays[k];
+                // Rays along the axes touch some of the surfaces.
+                let direction = if k % 5 == 0 {
+                    DVec3::AXES[k % 3]
+                } else {
+                    direction
+                };
+                let found = surface.cast(&mut scratch, origin, direction, None);
+                all[k].extend_from_slice(found);
+            }
+            (all, scratch.counters())
+        };
+        let (forward, counters) = hits(usize::MAX, &mut (0..rays.len()));
+        let (backward, _) = hits(usize::MAX, &mut (0..rays.len()).rev());
+        let (alone, without) = hits(0, &mut (0..rays.len()));
+        assert_eq!(forward, backward, "{name}");
+        assert_eq!(forward, alone, "{name}");
+        assert_eq!(counters.parts, without.parts, "{name}");
+        assert!(counters.cells <= without.cells, "{name}");
+    }
+}
+
+#[test]
+fn a_picture_divides_no_cell_twice() {
+    let variables = variables();
+    for (name, components, domain) in sheets(&variables) {
+        let surface = sheet(&components, domain);
+        let mut scratch = SheetScratch::default();
+        let bounds = surface.bounds();
+        let half = 0.5 * (bounds.upper - bounds.lower).max_element();
+        let eye = bounds.center() + 8.0 * half * DVec3::Z;
+        let mut picture = || {
+            let before = scratch.counters();
+            let mut hits = 0;
+            for k in 0..80 * 80 {
+                let [x, y] = [k % 80, k / 80].map(|i| f64::from(i) / 40.0 - 0.9875);
+                let target = bounds.center() + half * DVec3::new(x, y, 0.0);
+                hits += surface.cast(&mut scratch, eye, target - eye, None).len();
+            }
+            let after = scratch.counters();
+            let parts = after.parts - before.parts;
+            (hits, after.cells - before.cells, parts)
+        };
+        let (hits, cells, parts) = picture();
+        assert!(hits > 1000, "{name}: {hits}");
+        assert!(cells < 25_000, "{name}: {cells} evaluations on cells");
+        assert!(parts < 60_000, "{name}: {parts} cells are looked at");
+        assert_eq!(picture(), (hits, 0, parts), "{name}");
     }
 }

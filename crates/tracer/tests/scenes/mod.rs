@@ -8,6 +8,7 @@ use tracer::{SetStep, ShapeId};
 
 use super::formula::Formula;
 
+pub mod sheets;
 pub mod surfaces;
 
 /// Numbers that are the same on every run.

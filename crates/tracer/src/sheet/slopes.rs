@@ -1,12 +1,12 @@
-//! A cell of a parametric surface as a linear map with bounds of its error.
+//! The slopes of a parametric surface on a cell.
 //!
-//! Input: intervals that contain σu and σv on a cell, and σ in its middle m. Output: for a ray, whether it can meet the cell
-//! at all, and whether it meets it once at most. By the mean value theorem every place of the cell is σ(m) + JΔ, where the
-//! columns of J lie in the intervals of σu and σv, and Δ within the half sides; with r = origin − σ(m) a ray meets it where
-//! JΔ = r + t·d. Cramer's rule gives Δu = σv·(d×r)/D and Δv = −σu·(d×r)/D with D = (σu×σv)·d: one step of the interval
-//! Newton method (R. E. Moore, *Interval Analysis*, 1966, §7.2).
+//! Input: the ranges of σu and σv on a cell. Output: for a ray, whether it meets the cell once at most, and whether it passes it
+//! by. By the mean value theorem every place of the cell is σ(m) + JΔ from a place m of it, where the columns of J lie in the
+//! ranges of σu and σv; with r = origin − σ(m) a ray meets it where JΔ = r + t·d. Cramer's rule gives Δu = σv·(d×r)/D and
+//! Δv = −σu·(d×r)/D with D = (σu×σv)·d: one step of the interval Newton method (R. E. Moore, *Interval Analysis*, 1966,
+//! §7.2).
 
-use expr::interval::Interval;
+use expr::interval::{Affine, Interval};
 use expr::ops::Binary;
 use glam::DVec3;
 
@@ -17,7 +17,9 @@ pub(super) struct SheetRay {
     pub(super) direction: DVec3,
     pub(super) reciprocal: DVec3,
     /// The sizes of the direction's components.
-    sizes: DVec3,
+    pub(super) sizes: DVec3,
+    /// Their sum.
+    pub(super) sum: f64,
     /// The square of the direction's length.
     square: f64,
 }
@@ -29,6 +31,7 @@ impl SheetRay {
             direction,
             reciprocal: direction.recip(),
             sizes: direction.abs(),
+            sum: direction.abs().element_sum(),
             square: direction.length_squared(),
         }
     }
@@ -73,94 +76,59 @@ pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Cells are taken to be larger by this share, so that none is missed where two meet.
 pub(super) const MARGIN: f64 = 1e-9;
 
-/// A cell of a surface.
+/// The ranges of σu and σv on a cell, and of their cross product.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LinearCell {
-    middle: [f64; 2],
-    half: [f64; 2],
-    /// σ in the middle, and how far it may be from that.
-    place: VectorRange,
+pub(super) struct CellSlopes {
     along: [VectorRange; 2],
     normal: VectorRange,
+    /// The changes of the cross product along u and along v.
+    turns: [f64; 2],
 }
 
-/// The number of times that a ray meets a cell, as far as its linear map tells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meetings {
-    None,
-    /// One at most; if there is one, then near these parameters.
-    AtMostOne([f64; 2]),
-    Unknown,
-}
-
-impl LinearCell {
-    /// The cell between these sides. `frame` contains σ, σu and σv on it, `place` σ in its middle. `None` where one of them may
-    /// be undefined or endless.
-    pub(super) fn new(
-        sides: [[f64; 2]; 2],
-        frame: &[Interval; 9],
-        place: &[Interval; 3],
-    ) -> Option<Self> {
+impl CellSlopes {
+    /// With σ, σu and σv on the cell. `None` where one of them may be undefined or endless.
+    pub(super) fn new(frame: &[Affine; 9]) -> Option<Self> {
         let is_sound = |side: &Interval| {
             !side.is_partial() && side.lower().is_finite() && side.upper().is_finite()
         };
-        if !frame.iter().chain(place).all(is_sound) {
+        let values = frame.map(|it| it.value());
+        if !values.iter().all(is_sound) {
             return None;
         }
         let product = |a, b| Interval::binary(Binary::Mul, a, b);
         let difference = |a, b| Interval::binary(Binary::Sub, a, b);
+        let [su, sv] = [&values[3..6], &values[6..9]];
+        // The components of a difference of two places have slopes of different places.
         let normal = [0, 1, 2].map(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let [su, sv] = [&frame[3..6], &frame[6..9]];
             difference(product(su[i], sv[j]), product(su[j], sv[i]))
         });
-        let half = sides.map(|[a, b]| 0.5 * (b - a));
-        if !normal.iter().all(is_sound) {
-            return None;
-        }
-        Some(Self {
-            middle: sides.map(middle),
-            half,
-            place: VectorRange::new(place),
-            along: [
-                VectorRange::new(&frame[3..6]),
-                VectorRange::new(&frame[6..9]),
-            ],
+        let vector = |first: usize, of: &dyn Fn(&Affine) -> f64| {
+            DVec3::from_array([0, 1, 2].map(|k| of(&frame[first + k])))
+        };
+        let [u, v] = [3, 6].map(|first| vector(first, &Affine::middle));
+        let turn = |k: usize| {
+            let [du, dv] = [3, 6].map(|first| vector(first, &|it| it.slopes()[k]));
+            (du.cross(v) + u.cross(dv)).length()
+        };
+        normal.iter().all(is_sound).then(|| Self {
+            along: [VectorRange::new(su), VectorRange::new(sv)],
             normal: VectorRange::new(&normal),
+            turns: [turn(0), turn(1)],
         })
     }
 
-    /// The number of times that a ray meets the cell.
+    /// True if the ray cannot meet the cell twice.
     #[inline]
-    pub(super) fn meetings(&self, ray: &SheetRay) -> Meetings {
-        let offset = ray.origin - self.place.middle;
-        let slack = self.slack(ray, &self.place, offset);
-        // Across the ray the cell reaches from its middle no farther than its half sides let it.
-        let across = offset - (offset.dot(ray.direction) / ray.square) * ray.direction;
-        let sizes = across.abs();
-        let [u, v] = [0, 1].map(|k| {
-            let [middle, reach] = self.along[k].dot(across, sizes);
-            self.half[k] * (middle.abs() + reach)
-        });
-        let rounded = sizes.dot(slack) + ROUNDING * sizes.dot(offset.abs());
-        if across.dot(offset) - rounded > (1.0 + MARGIN) * (u + v) {
-            return Meetings::None;
-        }
+    pub(super) fn meets_once_at_most(&self, ray: &SheetRay) -> bool {
         let [determinant, unsure] = self.normal.dot(ray.direction, ray.sizes);
-        let size = determinant.abs();
-        if size <= unsure {
-            return Meetings::Unknown;
-        }
-        let steps = self.steps(ray, offset, slack);
-        let limit = (1.0 + MARGIN) * (size + unsure);
-        if (0..2).any(|k| steps[k][0].abs() - steps[k][1] > limit * self.half[k]) {
-            return Meetings::None;
-        }
-        let start = [0, 1].map(|k| {
-            let step = steps[k][0] / determinant;
-            self.middle[k] + step.clamp(-self.half[k], self.half[k])
-        });
-        Meetings::AtMostOne(start)
+        determinant.abs() > unsure
+    }
+
+    /// The side along which the surface turns more.
+    pub(super) fn more_turned(&self) -> Option<usize> {
+        let [u, v] = self.turns;
+        ((u - v).is_finite() && u != v).then(|| usize::from(v > u))
     }
 
     /// Returns true if a ray that meets the cell once at most does not meet it: from a place on its edge all solutions lie beyond
@@ -207,14 +175,4 @@ impl LinearCell {
     fn slack(&self, ray: &SheetRay, place: &VectorRange, offset: DVec3) -> DVec3 {
         place.reach + ROUNDING * (ray.origin.abs() + place.middle.abs() + offset.abs())
     }
-
-    /// The side along which the cell is longer.
-    pub(super) fn longer(&self) -> usize {
-        let [u, v] = [0, 1].map(|k| self.half[k] * self.along[k].middle.length());
-        usize::from(v > u)
-    }
-}
-
-pub(super) fn middle([a, b]: [f64; 2]) -> f64 {
-    0.5 * (a + b)
 }
