@@ -109,13 +109,15 @@ impl LightSums {
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
         let (order, first) = tile_order(tiles);
-        let [cut_short, operations, first_operations] = [const { AtomicU64::new(0) }; 3];
+        let [cut_short, operations, first_operations, first_once] =
+            [const { AtomicU64::new(0) }; 4];
         let first_drawn = AtomicUsize::new(0);
         let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
         let work = || {
             let mut tracer = LightTracer::new(scenery);
             let mut own: Vec<Tile> = Vec::new();
             let mut known = 0;
+            let mut known_once = 0;
             while !stopped.load(Ordering::Relaxed) {
                 let place = next.fetch_add(1, Ordering::Relaxed);
                 let Some(&tile) = order.get(place) else {
@@ -127,13 +129,16 @@ impl LightSums {
                 let new = so_far - std::mem::replace(&mut known, so_far);
                 let mut expected = None;
                 if place < first {
-                    first_operations.fetch_add(new, Ordering::Relaxed);
+                    let so_far = tracer.operations_once();
+                    let once = so_far - std::mem::replace(&mut known_once, so_far);
+                    first_once.fetch_add(once, Ordering::Relaxed);
+                    first_operations.fetch_add(new - once, Ordering::Relaxed);
                     // The last of them sees what the others have added.
                     let is_last = first_drawn.fetch_add(1, Ordering::AcqRel) + 1 == first;
                     let share = tiles as f64 / first as f64;
-                    let sum = || first_operations.load(Ordering::Relaxed) as f64;
-                    expected =
-                        (is_last && first >= LEAST_DRAWN_FIRST).then(|| (share * sum()) as u64);
+                    let sum = |of: &AtomicU64| of.load(Ordering::Relaxed);
+                    expected = (is_last && first >= LEAST_DRAWN_FIRST)
+                        .then(|| sum(&first_once) + (share * sum(&first_operations) as f64) as u64);
                 }
                 let progress = progress(PictureProgress {
                     share: (place + 1) as f32 / tiles as f32,

@@ -63,6 +63,8 @@ pub struct SheetScratch {
     pub(crate) counters: SheetCounters,
     /// The work so far, in operations.
     pub(crate) operations: u64,
+    /// Those of them for what is kept, which other rays have not to do again.
+    pub(crate) once: u64,
 }
 
 /// The work of casting.
@@ -203,7 +205,7 @@ impl Sheet {
             return;
         };
         let slopes = cell.slopes.get_or_init(|| {
-            let frame = self.function.frame_on(scratch, cell.sides);
+            let frame = scratch.once(|scratch| self.function.frame_on(scratch, cell.sides));
             CellSlopes::new(&frame).map(Box::new)
         });
         if let Some(slopes) = slopes
@@ -215,7 +217,7 @@ impl Sheet {
         if cell.depth == DEEPEST {
             return;
         }
-        let mut halve = || {
+        let halve = |scratch: &mut SheetScratch| {
             let side = slopes.as_ref().and_then(|slopes| slopes.more_turned());
             let side = side.unwrap_or_else(|| {
                 let function = &self.function;
@@ -225,13 +227,13 @@ impl Sheet {
         };
         let kept = cell.halves.get_or_init(|| {
             let is_room = self.halved.fetch_add(1, Ordering::Relaxed) < self.most_halved;
-            is_room.then(|| Box::new(halve()))
+            is_room.then(|| Box::new(scratch.once(halve)))
         });
         let not_kept;
         let halves = if let Some(kept) = kept {
             &**kept
         } else {
-            not_kept = halve();
+            not_kept = halve(scratch);
             &not_kept
         };
         for half in halves {
@@ -392,6 +394,14 @@ impl SheetScratch {
     /// The work so far, in operations.
     pub fn operations(&self) -> u64 {
         self.operations
+    }
+
+    /// Does work whose outcome is kept.
+    fn once<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.operations;
+        let outcome = work(self);
+        self.once += self.operations - before;
+        outcome
     }
 
     /// Adds a place, unless it is one that a neighbouring cell has found: both have their common edge.

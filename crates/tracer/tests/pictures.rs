@@ -558,3 +558,42 @@ fn the_rays_of_a_tile_are_lit_as_each_is_alone() {
     }
     assert!(met > 2000, "{met}");
 }
+
+#[test]
+fn work_that_is_kept_is_expected_once() {
+    let variables = variables();
+    let all = scenes::sheets::sheets(&variables);
+    let (_, components, domain) = all.iter().find(|(name, ..)| *name == "trefoil").unwrap();
+    let sheets = Sheets::new(vec![sheet(components, *domain)]);
+    let world = world(&[]);
+    let scenery = Scenery {
+        world: &world,
+        sheets: &sheets,
+        glass: &[],
+        opaque: &[],
+        look: &white,
+        lights: &[everywhere()],
+        background: &black,
+        bounces: 0,
+        picture_look: Default::default(),
+        sides: &[],
+    };
+    let camera = LensCamera {
+        position: DVec3::new(0.0, 0.0, 8.0),
+        direction: -DVec3::Z,
+        up: DVec3::Y,
+        fov: 0.8,
+        ..camera()
+    };
+    let told = std::sync::Mutex::new((None, 0));
+    let mut sums = LightSums::new([512, 512]);
+    sums.add(&scenery, &camera, None, 1, 1, &|progress| {
+        let mut told = told.lock().unwrap();
+        told.0 = told.0.or(progress.expected);
+        told.1 = progress.operations;
+        true
+    });
+    let (expected, taken) = told.into_inner().unwrap();
+    let share = expected.unwrap() as f64 / taken as f64;
+    assert!((0.7..1.2).contains(&share), "{share} of {taken} operations");
+}

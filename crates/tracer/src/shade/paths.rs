@@ -141,6 +141,11 @@ impl<'a> LightTracer<'a> {
         self.operations + self.caster.operations() + self.sheets.operations
     }
 
+    /// Those of the operations whose outcome is kept: other rays do not take them again.
+    pub(crate) fn operations_once(&self) -> u64 {
+        self.sheets.once
+    }
+
     /// The number of rays so far that took more work than there may be.
     pub fn rays_cut_short(&self) -> u64 {
         self.caster.rays_cut_short()
