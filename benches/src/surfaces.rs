@@ -8,10 +8,8 @@ use glam::{DAffine3, DVec3};
 use tracer::{Ray, SetStep, World, WorldBuilder};
 
 #[path = "../../crates/expr/tests/formula/mod.rs"]
-#[allow(dead_code)]
 mod formula;
 #[path = "../../crates/tracer/tests/scenes/mod.rs"]
-#[allow(dead_code)]
 mod scenes;
 
 use crate::measure::thread_clock;

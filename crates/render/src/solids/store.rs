@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use geometry::solids::{
-    BackgroundImage, FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights,
+    BackgroundImage, FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights, srgb,
 };
 use glam::DVec3;
 use scene::{ObjectId, Scene};

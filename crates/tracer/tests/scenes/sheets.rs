@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::formula::Formula;
+use super::Formula;
 
 /// A surface with its name and its domain.
 pub type NamedSheet = (&'static str, [Formula; 3], [[f64; 2]; 2]);
