@@ -14,8 +14,10 @@
 //! - `deferred`: the parts of diagnostics that depend on other parts of the text.
 //! - `suggestions`: the words that an undefined word may be meant to be.
 //! - `foreign`: the equivalents of words and signs of other notations.
-//! - `messages`: the messages of lexical and syntax errors.
+//! - `characters`: the messages of characters that begin no token.
+//! - `messages`: the messages of syntax errors.
 
+mod characters;
 mod declaration;
 pub(crate) mod deferred;
 mod expression;
@@ -318,7 +320,11 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         }
         if let Some(fault) = lexeme.fault {
             // A malformed number remains the current token: it is an operand.
-            self.report(messages::bad_number(self.source, lexeme.token.span, fault));
+            self.report(characters::bad_number(
+                self.source,
+                lexeme.token.span,
+                fault,
+            ));
             self.flagged |= lexeme.token.kind == TokenKind::Error;
         }
         self.current = lexeme.token;

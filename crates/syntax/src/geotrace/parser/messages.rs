@@ -1,21 +1,19 @@
-//! The messages of lexical and syntax errors, in the user's words.
+//! The messages of syntax errors: what was expected, and what is meant.
 
 use super::deferred::Deferred;
-use super::names::Mode;
-use super::{BadRun, Parser, Stop, foreign};
+use super::{Parser, Stop, foreign};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
 use crate::geotrace::attributes::{self, AttributeWord};
 use crate::geotrace::codes;
 use crate::geotrace::cut::separators;
 use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword};
-use crate::geotrace::lexer::Fault;
 use crate::geotrace::symbols::{NO_CONDITIONS, NameScope};
 use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 
 /// The number of characters of the text that a sentence quotes at most.
-const QUOTE_LENGTH: usize = 40;
+pub(super) const QUOTE_LENGTH: usize = 40;
 
 /// Returns a piece of the text in backquotes, truncated if it is long.
 pub(super) fn quote(text: &str) -> String {
@@ -35,51 +33,6 @@ pub(super) fn describe(source: &str, token: Token) -> String {
     }
 }
 
-/// Returns the error of a run of characters that begin no token.
-fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
-    let text = span.text(source);
-    let single = text.len() == first.len_utf8();
-    let shown = match first {
-        '\0' => "a NUL byte (U+0000)".to_owned(),
-        '\u{FEFF}' => "a byte order mark (U+FEFF)".to_owned(),
-        '\u{A0}' => "a no-break space (U+00A0)".to_owned(),
-        _ if first.is_control() || first.is_whitespace() || is_invisible(first) => {
-            format!("the invisible character U+{:04X}", u32::from(first))
-        }
-        _ if single => format!("the character `{first}`"),
-        _ => format!("the characters {}", quote(&visible(text))),
-    };
-    let message = if first.is_alphabetic() {
-        format!("{shown} cannot be used here: names consist of the letters a-z, A-Z and digits")
-    } else {
-        format!("{shown} cannot be used here")
-    };
-    let mut diagnostic = Diagnostic::error(codes::BAD_CHARACTER, span, message);
-    let before = source[..span.start as usize].trim_end_matches([' ', '\t']);
-    if first == '%' && (before.is_empty() || before.ends_with(['\n', ';'])) {
-        let fix = Fix::change(Span::new(span.start, span.start + 1), "#", true);
-        return diagnostic.with_hint(COMMENT).with_fix(fix.with_all());
-    }
-    if let Some(text) = equivalent(first).filter(|_| single) {
-        let (before, after) = (&source[..span.start as usize], &source[span.end as usize..]);
-        let written = foreign::apart(before, text, after);
-        diagnostic = diagnostic.with_fix(Fix {
-            replacement: written,
-            ..Fix::change(span, text, true).with_all()
-        });
-    }
-    match substitute(first) {
-        Some(hint) => diagnostic.with_hint(hint),
-        None => diagnostic,
-    }
-}
-
-/// The hint at a sign of sets in an expression of a solid.
-const SET_HINT: &str = "a set names solids and lists no parameters: `solid s = a | b;`; functions are joined by `min(f, g)` and `max(f, g)`";
-
-/// The hint at a comparison where an interval may stand.
-const INTERVAL: &str = "an interval is written `t : [a, b]`";
-
 /// The hint at a comparison in the expression of a solid.
 const SOLID: &str = "a solid is where its function is at most 0";
 
@@ -87,99 +40,7 @@ const SOLID: &str = "a solid is where its function is at most 0";
 const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in brackets: `(1, 2)`";
 
 /// The hint at a comment of another language.
-const COMMENT: &str = "a comment begins with `#`";
-
-/// Returns the error or warning of a number.
-pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
-    let number = quote(span.text(source));
-    match fault {
-        Fault::Underflow => Diagnostic::warning(
-            codes::NUMBER_UNDERFLOW,
-            span,
-            format!("number out of range: {number} is so small that it is read as 0"),
-        ),
-        Fault::Overflow => Diagnostic::error(
-            codes::NUMBER_OUT_OF_RANGE,
-            span,
-            format!("number out of range: {number} is larger than 1.797e308"),
-        ),
-        Fault::LonePoint | Fault::Character(_) => Diagnostic::error(
-            codes::BAD_NUMBER,
-            span,
-            "a lone `.` is not a number: write a digit before or after it",
-        ),
-    }
-}
-
-fn is_invisible(character: char) -> bool {
-    matches!(character, '\u{AD}' | '\u{200B}'..='\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2060}'..='\u{206F}')
-}
-
-fn visible(text: &str) -> String {
-    let text = text.chars().take(QUOTE_LENGTH + 1);
-    let show = |c: char| {
-        if c.is_control() || is_invisible(c) {
-            char::REPLACEMENT_CHARACTER
-        } else {
-            c
-        }
-    };
-    text.map(show).collect()
-}
-
-/// Returns the text with the same meaning as a character in any context.
-fn equivalent(character: char) -> Option<&'static str> {
-    Some(match character {
-        '\u{2212}' => "-",
-        '×' | '∗' => "*",
-        '÷' | '∕' => "/",
-        '²' => "^2",
-        '³' => "^3",
-        '’' | '′' => "'",
-        'π' => "pi",
-        'τ' => "(2pi)",
-        '½' => "(1/2)",
-        '√' => "sqrt",
-        _ => return None,
-    })
-}
-
-/// Returns the hint for a character that is often pasted by mistake.
-fn substitute(character: char) -> Option<&'static str> {
-    Some(match character {
-        '\u{2212}' | '\u{2010}'..='\u{2015}' => "write `-`",
-        '×' | '∗' => "write `*`",
-        '·' | '⋅' | '•' => "write `a b` for the product, of vectors the dot product",
-        '÷' | '∕' => "write `/`",
-        '²' => "write `^2`",
-        '³' => "write `^3`",
-        '‘' | '’' | '′' | '`' => "write `'`",
-        '"' | '“' | '”' | '″' => {
-            "words are written without quotes, and files without their extension: `image : earth`; a second derivative is `f''`"
-        }
-        'π' => "write `pi`",
-        'τ' => "write `(2pi)`",
-        '½' => "write `(1/2)`",
-        '°' => "angles are in radians: 30° is `30pi/180`",
-        '∞' => "an interval has two ends: write a large number",
-        '⁰' | '¹' | '⁴'..='⁹' | '⁺' | '⁻' => "an exponent follows `^`: `x^-1`",
-        '₀'..='₉' => "write components as `v_1`; digits in names need no underscore: `a1`",
-        '⟨' | '⟩' => "a vector is written `(1, 2, 3)`",
-        '∈' => "write `:`",
-        '<' | '>' | '≤' | '≥' => INTERVAL,
-        '√' => "write `sqrt`",
-        '|' => "write `abs x` for a number, and `sqrt*v` for the length of a vector",
-        '\\' => "names have no backslash before them: `cos`, `pi`",
-        '&' => "write `max(a, b)` for what both functions bound; `a & b` is a set of solids",
-        '!' | '%' | '?' | '~' | '$' => "the operators are `+ - * / ^ _ '`",
-        '∪' | '∩' | '∖' => {
-            "a set is written `a | b`, `a & b` or `a \\ b`, in a `solid` without parameters"
-        }
-        '\u{FEFF}' | '\u{200B}'..='\u{200F}' => "remove it",
-        _ if character.is_whitespace() => "use an ordinary space",
-        _ => return None,
-    })
-}
+pub(super) const COMMENT: &str = "a comment begins with `#`";
 
 /// Returns the error of an interval in another notation.
 pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diagnostic {
@@ -196,218 +57,7 @@ fn is_last_digits(text: &str) -> bool {
     behind.len() < text.len() && !behind.trim_start().starts_with(',')
 }
 
-impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
-    /// Reports a run of characters that begin no token.
-    pub(super) fn report_characters(&mut self, run: BadRun, mode: Mode) {
-        if self.state.quiet {
-            return;
-        }
-        let BadRun { span, first, .. } = run;
-        if let Some((place, found)) = self.foreign_item(span, mode) {
-            let diagnostic = foreign_interval(self.source, place, &found.written());
-            self.report(diagnostic);
-            self.state.quiet = true;
-            self.state.rejected = true;
-            return;
-        }
-        let text = span.text(self.source);
-        let mut diagnostic = bad_characters(self.source, span, first);
-        if equivalent(first).is_some() && self.is_in_name(mode) {
-            diagnostic.fixes.clear();
-            diagnostic.hint = Some("choose a name of letters and digits".to_owned());
-        }
-        match first {
-            '.' => {
-                diagnostic = self.bad_component(span);
-                self.state.silent = true;
-            }
-            '|' if text.contains(|c: char| c.is_ascii_alphanumeric()) => {
-                let inside = text.trim_matches('|').trim();
-                let mut written = match inside.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
-                    true => format!("abs {inside}"),
-                    false => format!("abs({inside})"),
-                };
-                let behind = self.source[span.end as usize..].trim_start();
-                let is_factor = |c: char| c.is_ascii_alphanumeric() || "(|^_²³.".contains(c);
-                if behind.starts_with(is_factor) {
-                    // Otherwise it might become part of the argument.
-                    written = format!("({written})");
-                }
-                let fix = Fix::change(span, &written, self.state.is_of_space);
-                diagnostic = match self.state.is_of_space {
-                    true => diagnostic
-                        .with_hint(format!("write {}", quote(&written)))
-                        .with_fix(fix.with_all()),
-                    // It may be the length of a vector.
-                    false => diagnostic.with_fix(fix),
-                };
-            }
-            '⟨' => {
-                self.report(diagnostic);
-                self.state.quiet = true;
-                self.state.rejected = true;
-                return;
-            }
-            '∈' if matches!(
-                self.state.keyword,
-                Some(DeclarationKeyword::Param | DeclarationKeyword::Grid)
-            ) =>
-            {
-                diagnostic = diagnostic.with_fix(Fix::change(span, ":", true).with_all());
-            }
-            '>' if self.is_arrow(span) => return self.report_arrow(span),
-            '<' if text.contains(',') => {
-                let written = format!("({})", &text[1..text.len() - 1]);
-                diagnostic = diagnostic
-                    .with_hint(format!("a vector is written {}", quote(&written)))
-                    .with_fix(Fix::change(span, &written, true).with_all());
-            }
-            '<' | '>' | '≤' | '≥' => return self.report_comparison(diagnostic),
-            '?' => return self.report_condition(diagnostic),
-            // If a set has ended with an error, its signs are correct.
-            '|' | '&' | '\\'
-                if self.state.rejected
-                    && self.state.keyword == Some(DeclarationKeyword::Solid)
-                    && self.state.parameters.is_empty() =>
-            {
-                return;
-            }
-            '|' | '&' | '\\' if self.state.is_of_space => {
-                diagnostic.hint = Some(SET_HINT.to_owned());
-            }
-            '∪' | '∩' | '∖' if self.state.in_set && text.len() == first.len_utf8() => {
-                let sign = match first {
-                    '∪' => "|",
-                    '∩' => "&",
-                    _ => "\\",
-                };
-                diagnostic = diagnostic
-                    .with_hint(format!("write `{sign}`"))
-                    .with_fix(Fix::change(span, sign, true).with_all());
-            }
-            _ => {}
-        }
-        self.report(diagnostic);
-    }
-
-    /// Returns true if a bad character is reported together with the one before it.
-    pub(super) fn joins(&self, first: char, next: char, mode: Mode) -> bool {
-        let is_sign = |character| equivalent(character).is_some();
-        self.is_in_name(mode)
-            || !is_sign(first) && !is_sign(next) && substitute(first) == substitute(next)
-    }
-
-    /// Returns true if a name is being read, or has just been: a bad character is not part of an expression.
-    fn is_in_name(&self, mode: Mode) -> bool {
-        let is_behind = |name: Span| name.end > 0 && name == self.previous.span;
-        let parameter = self.state.parameters.last();
-        !matches!(mode, Mode::Expression | Mode::Place)
-            || is_behind(self.state.name_span)
-            || parameter.is_some_and(|parameter| is_behind(parameter.span))
-    }
-
-    /// Returns the interval in another notation in place of an item, if it begins with this character.
-    pub(super) fn foreign_item(
-        &self,
-        first: Span,
-        mode: Mode,
-    ) -> Option<(Span, foreign::ForeignInterval<'s>)> {
-        let found = matches!(mode, Mode::Item).then(|| self.interval_at(first.start))??;
-        found.1.parameter.is_some().then_some(found)
-    }
-
-    /// Returns the error of a component chosen by a letter, `.x`.
-    fn bad_component(&self, span: Span) -> Diagnostic {
-        let number = match span.text(self.source) {
-            ".x" => 1,
-            ".y" => 2,
-            _ => 3,
-        };
-        let written = format!("_{number}");
-        let value = match self.previous.kind {
-            TokenKind::ParenClose => "",
-            _ => self.previous.span.text(self.source),
-        };
-        let message = "a component is selected by its number, after a `_`";
-        Diagnostic::error(codes::BAD_NUMBER, span, message)
-            .with_hint(format!("write {}", quote(&format!("{value}{written}"))))
-            .with_fix(Fix::change(span, &written, true).with_all())
-    }
-
-    /// Returns the span of `.x`, `.y` or `.z` right after a value, if it begins with this point.
-    pub(super) fn lettered_component(&self, point: Span) -> Option<Span> {
-        let rest = &self.source.as_bytes()[point.end as usize..];
-        let is_letter = matches!(rest, [b'x' | b'y' | b'z', ..]);
-        let is_whole = !rest.get(1).is_some_and(u8::is_ascii_alphanumeric);
-        let is_behind_value = self.previous.span.end == point.start
-            && matches!(
-                self.previous.kind,
-                TokenKind::Constant(_) | TokenKind::Variable(_) | TokenKind::ParenClose
-            );
-        let place = Span::new(point.start, point.end + 1);
-        (is_letter && is_whole && is_behind_value).then_some(place)
-    }
-
-    /// Returns the span of `<1, 2, 3>` where an operand is expected, if it begins with this character.
-    pub(super) fn angle_vector(&self, first: Span) -> Option<Span> {
-        let is_before_operand = matches!(
-            self.previous.kind,
-            TokenKind::Equals
-                | TokenKind::Colon
-                | TokenKind::Comma
-                | TokenKind::At
-                | TokenKind::ParenOpen
-                | TokenKind::Plus
-                | TokenKind::Minus
-                | TokenKind::Star
-                | TokenKind::Slash
-        );
-        let found = foreign::angle_vector(&self.source[first.start as usize..])?;
-        is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
-    }
-
-    /// Returns the span of `|x|` in an expression, if it begins with this bar.
-    pub(super) fn absolute_value(&self, bar: Span) -> Option<Span> {
-        let is_set = self.state.is_of_space && self.state.parameters.is_empty();
-        let is_behind_value = matches!(
-            self.previous.kind,
-            TokenKind::Variable(_) | TokenKind::Constant(_) | TokenKind::ParenClose
-        );
-        if is_set || is_behind_value {
-            return None;
-        }
-        let inside = foreign::between_bars(&self.source[bar.start as usize..])?;
-        Some(Span::new(bar.start, bar.end + inside.len() as u32 + 1))
-    }
-
-    /// Returns true if the sign `>` ends an arrow `->`.
-    fn is_arrow(&self, sign: Span) -> bool {
-        self.previous.kind == TokenKind::Minus && self.previous.span.end == sign.start
-    }
-
-    /// Reports an arrow as the only report of its declaration.
-    fn report_arrow(&mut self, sign: Span) {
-        self.state.quiet = true;
-        if self.state.rejected {
-            return;
-        }
-        let arrow = self.previous.span.to(sign);
-        let mut diagnostic =
-            Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot be used here");
-        let hint = match self.state.keyword {
-            Some(DeclarationKeyword::Vector) => {
-                Some("write `direction @ origin`: from p to q, the vector is `(q - p) @ p`")
-            }
-            Some(DeclarationKeyword::Define | DeclarationKeyword::Function) => {
-                Some("a function is written `function f(x) = x^2;`")
-            }
-            _ => None,
-        };
-        diagnostic.hint = hint.map(str::to_owned);
-        self.report(diagnostic);
-        self.state.rejected = true;
-    }
-
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Returns, as a hint, the form of a solid that is given by a function, if the set that is read looks like one.
     pub(super) fn field_form(&self) -> Option<(String, Fix)> {
         let name = self.state.name_span;
@@ -455,36 +105,9 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// Reports a comparison, with its equivalent here.
-    fn report_comparison(&mut self, mut diagnostic: Diagnostic) {
-        let in_items = |keyword: DeclarationKeyword| {
-            keyword.has_domain() && !self.state.in_body
-                || matches!(
-                    keyword,
-                    DeclarationKeyword::Param | DeclarationKeyword::Grid
-                )
-        };
-        match self.state.keyword {
-            Some(DeclarationKeyword::Solid) if self.state.attributes.is_empty() => {
-                diagnostic = self.with_bound(diagnostic);
-                self.report(diagnostic);
-                self.state.quiet = true;
-            }
-            Some(keyword) if in_items(keyword) => self.report(diagnostic),
-            _ => self.report_condition(diagnostic),
-        }
-    }
-
-    /// Reports a sign of a condition as the only report of its declaration.
-    fn report_condition(&mut self, diagnostic: Diagnostic) {
-        self.report(diagnostic.with_hint(NO_CONDITIONS));
-        self.state.quiet = true;
-        self.state.rejected = true;
-    }
-
     /// Returns the error of a comparison in the expression of a solid, with its equivalent. Its span is that of the
     /// comparison.
-    fn with_bound(&self, diagnostic: Diagnostic) -> Diagnostic {
+    pub(super) fn with_bound(&self, diagnostic: Diagnostic) -> Diagnostic {
         let start = diagnostic.span.start;
         let rest = &self.source[start as usize..];
         let behind = rest.trim_start_matches(['<', '>', '≤', '≥', '=']);
