@@ -133,7 +133,7 @@ mod tests {
             domain,
         }
         .to_string();
-        let expected = "the place (1, 2) lies outside the domain [0, 1] × [0, 2]";
+        let expected = "the point (1, 2) lies outside the domain [0, 1] × [0, 2]";
         assert_eq!(sentence, expected);
     }
 
