@@ -195,6 +195,9 @@ impl DimensionError {
                 Some("`*a` is the square of the length of a vector `a`")
             }
             Self::Nested { .. } => Some("write its components one by one, as in `(a_1, a_2, b)`"),
+            Self::Builtin { name: "abs", .. } => {
+                Some("write `sqrt*a` for the length of a vector `a`")
+            }
             _ => None,
         }
     }

@@ -250,6 +250,18 @@ const PIECES: &[&str] = &[
     "sin(x)^2",
     "sin 2x",
     "sin^-1 x",
+    "asint",
+    "sin-1x",
+    "sin⁻¹",
+    "2^ab",
+    "a(2)",
+    "(1 2)",
+    "0..1",
+    "a.b",
+    "zz.ab",
+    "\\times",
+    "（",
+    "；",
     "defin",
     "piu",
     "raduis",
@@ -539,6 +551,11 @@ fn only_what_can_notice_an_edit_is_read_again() {
             "function f(x) = sint;",
             "point p = f(1);"
         ]
+    );
+    // `asint` may mean `a sin t`.
+    assert_eq!(
+        read_again("define t = 1; define b = asint;", "t", "a = 2; define t"),
+        ["define a = 2;", "define t = 1;", "define b = asint;"]
     );
     // A parameter's name is seen below, a comment is not.
     assert_eq!(

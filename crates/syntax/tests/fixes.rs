@@ -71,6 +71,41 @@ fn a_power_of_a_value_has_brackets() {
 }
 
 #[test]
+fn a_product_that_looks_like_something_else_has_a_fix_for_each_meaning() {
+    for (expression, texts) in [
+        ("1..2", &["1*.2"][..]),
+        ("2. 3", &["2.3", "2*3"]),
+        ("(1 2 3)", &["(1, 2, 3)", "(1*2*3)"]),
+        ("[1 .5]", &["[1, .5]", "[1*.5]"]),
+        ("2^xy", &["2^(xy)", "2^x y"]),
+        ("e^-xy", &["e^(-xy)", "e^-x y"]),
+        ("sin-1(x)", &["asin(x)", "(sin -1) (x)"]),
+        ("sin-1x", &["asin x", "(sin -1) x"]),
+        ("sqrt[3](x)", &["(sqrt 3)(x)"]),
+    ] {
+        assert_eq!(repaired(expression).1, texts, "{expression}");
+    }
+}
+
+#[test]
+fn a_product_that_looks_like_what_it_is_has_no_warning() {
+    for expression in [
+        "(1 x 3)",
+        "(2)(3)",
+        "x^xy",
+        "2^x y",
+        "2^3x",
+        "sqrt[3]",
+        "sqrt(3)(x)",
+        "1. x",
+        "sin -1",
+    ] {
+        let source = format!("{PRELUDE}define z = {expression};");
+        assert_eq!(program_findings(&source), [""; 0], "{expression}");
+    }
+}
+
+#[test]
 fn a_fraction_of_a_power_may_have_a_sign() {
     let (found, texts) = repaired("2^-1/2");
     assert_eq!(found.message, "`a^-1/2` is read as `(a^-1)/2`");
@@ -171,6 +206,7 @@ fn a_sign_in_a_name_has_no_fix() {
         "function f²(x) = 1;",
         "param τ : [0, 1];",
         "solid ×cube(x, y, z) = x;",
+        "define my.name = 3;",
     ] {
         let found = parse(source).0.diagnostics;
         assert_eq!(found.len(), 1, "{source}: {found:?}");
@@ -216,6 +252,34 @@ fn what_other_notations_mean_is_written_with_all_fixes() {
             "solid b(x, y, z) = x; solid c = b @ rotate (0, 0, pi/2);",
         ),
         ("function h(x) -> x^2;", "function h(x) = x^2;"),
+        ("function h(x): x^2;", "function h(x)= x^2;"),
+        ("function h x = x^2;", "function h(x) = x^2;"),
+        ("function h(x) = 0,5x;", "function h(x) = 0.5x;"),
+        ("light l @ (1, 2, 3);", "light l = @ (1, 2, 3);"),
+        (
+            "surface s(u, v) = (u, v, 0), u, v : [0, 1];",
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];",
+        ),
+        (
+            "solid b(x, y, z) = x; solid c = b && b;",
+            "solid b(x, y, z) = x; solid c = b & b;",
+        ),
+        (
+            "curve c(t) = （t, t, t）， t : [0, 1]；",
+            "curve c(t) = (t, t, t), t : [0, 1];",
+        ),
+        ("define a = math.pi;", "define a = pi;"),
+        ("define a = 2 \\times 3;", "define a = 2 * 3;"),
+        ("define a = \\left(1);", "define a = (1);"),
+        ("define a = 2sin⁻¹1;", "define a = 2asin 1;"),
+        (
+            "define v = (1, 2); define w = v.v;",
+            "define v = (1, 2); define w = v v;",
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1], image : earth.png;",
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1], image : earth;",
+        ),
     ] {
         let found = parse(source).0.diagnostics;
         assert_eq!(found.len(), 1, "{source}: {found:?}");

@@ -205,7 +205,7 @@ fn the_deepest_nesting_fits_a_small_stack_and_one_level_more_is_an_error() {
             ("2^", ""),
             ("sin^", " 1"),
             ("[(", ")]"),
-            ("1+(2 ", ")"),
+            ("1+(pi ", ")"),
         ] {
             let levels = if open == "[(" { depth / 2 } else { depth };
             assert_eq!(count(&nest(open, close, levels)).codes, []);

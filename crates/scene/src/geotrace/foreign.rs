@@ -38,6 +38,7 @@ macro_rules! color {
 
 const LENGTH: &str = "write `sqrt*v` for the length of a vector v: `*v` is v·v";
 const INFINITE: &str = "there is no infinite number: an interval has two ends";
+const UNDEFINED: &str = "no name means an undefined value: `0/0` is undefined";
 const ROUNDS: &str =
     "no builtin function rounds: all of them are continuous where they are defined";
 const UNION: &str = "the points of either are `a | b`, in a `solid` without parameters";
@@ -126,6 +127,8 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
     explained("inf", INFINITE),
     explained("infinity", INFINITE),
     explained("oo", INFINITE),
+    explained("nan", UNDEFINED),
+    explained("NaN", UNDEFINED),
     explained("sign", "write `x/abs x`, which is undefined at 0"),
     explained("sgn", "write `x/abs x`, which is undefined at 0"),
     explained("floor", ROUNDS),
@@ -172,6 +175,10 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
             "K",
             "no builtin gives the curvature: the command `measure` and the window show it",
         )
+    },
+    ForeignWord {
+        is_applied: Some(true),
+        ..explained("at", "a position follows `@`")
     },
 ];
 

@@ -2,7 +2,7 @@
 //!
 //! In: a declaration that has been read. Out: its meaning and its object, or its errors.
 
-use expr::value::Value;
+use expr::value::{DimensionError, Value};
 use expr::{NodeId, number};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::actions::Declaration;
@@ -48,7 +48,9 @@ impl Declarations {
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a metric has two parameters");
         let [body] = self.expressions(intervals)?;
+        let known = self.found.len();
         let lowered = self.over_variables(body, declaration.parameters.len());
+        self.explain_matrix(body, known);
         let components = self.coefficients(body, &lowered);
         let (attributes, all) = self.stated_with(declaration, 2, lowered.dependencies);
         let components = components?;
@@ -205,6 +207,22 @@ impl Declarations {
             dependencies: lowered.dependencies,
             span,
         })
+    }
+
+    /// Gives the error of a metric that is written as a matrix, `((E, F), (F, G))`, the hint that is meant. `known` is the number
+    /// of earlier diagnostics.
+    fn explain_matrix(&mut self, body: Expression, known: usize) {
+        let nested = DimensionError::Nested {
+            position: 1,
+            dimension: 2,
+        };
+        let span = self.lowerer.code.span(body);
+        for found in &mut self.found[known..] {
+            if found.span == span && found.hint.as_deref() == nested.hint() {
+                let hint = "a metric's value is `(E, F, G)`: that of the plane is `(1, 0, 1)`";
+                found.hint = Some(hint.to_owned());
+            }
+        }
     }
 
     /// Returns E, F and G; `None` if the value is something else or its declaration failed.

@@ -211,7 +211,18 @@ impl Lowerer {
             Operation::Apply => {
                 let operand = pop(stack);
                 let function = pop(stack);
-                let effect = self.apply(function, operand, span, stack, &mut frame.dependencies)?;
+                let listed = match &function {
+                    StackItem::Function(function) => self.listed(frame, function.symbol),
+                    _ => None,
+                };
+                let effect = self
+                    .apply(function, operand, span, stack, &mut frame.dependencies)
+                    .map_err(|(error, place)| match listed {
+                        Some(hint) if error.code == error::DIMENSION_MISMATCH => {
+                            (error.with_hint(hint), place)
+                        }
+                        _ => (error, place),
+                    })?;
                 // In a body, the parameters are known only at its application.
                 if frame.body.is_none()
                     && !self.is_along_curve
@@ -270,6 +281,19 @@ impl Lowerer {
             },
         };
         Ok(Effect::Push(item))
+    }
+
+    /// Returns the hint at an error of a function of one parameter that is applied to a list in brackets. The next step applies
+    /// it.
+    fn listed(&self, frame: &CallFrame, symbol: SymbolId) -> Option<String> {
+        let Meaning::Declared(declared) = self.symbols.meaning(symbol) else {
+            return None;
+        };
+        let operand = self.code.step(frame.next.checked_sub(1)?).operator;
+        let is_list = matches!(operand, Operator::Tuple(count) if count > 1);
+        let name = self.symbols.name(symbol);
+        (is_list && declared.parameters.len() == 1)
+            .then(|| format!("`{name}` has one parameter: a list in brackets is one vector"))
     }
 
     fn constant(&mut self, frame: &mut CallFrame, symbol: SymbolId) -> StackItem {

@@ -11,6 +11,7 @@
 //! - `expression`: `EXPR` and all below it.
 //! - `names`: the token that a word forms, new names, undefined words.
 //! - `lints`: warnings about legal text that is not read as it seems.
+//! - `products`: those about factors that look like something else.
 //! - `deferred`: the parts of diagnostics that depend on other parts of the text.
 //! - `suggestions`: the words that an undefined word may be meant to be.
 //! - `foreign`: the equivalents of words and signs of other notations.
@@ -27,6 +28,7 @@ mod items;
 pub(crate) mod lints;
 mod messages;
 mod names;
+mod products;
 mod sets;
 pub(crate) mod suggestions;
 
@@ -262,7 +264,8 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
 
     #[cold]
     fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
-        // A run of bad characters is reported once, at its end, and so is a name in quotes, `<1, 2, 3>`, or the `.x` of `v.x`.
+        // A run of bad characters is reported once, at its end, and so is a name in quotes, `<1, 2, 3>`, `\cdot`, or the `.x` of
+        // `v.x`.
         let mut run: Option<BadRun> = None;
         loop {
             let token = lexeme.token;
@@ -289,6 +292,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                     run = match fault {
                         Some(Fault::Character(first)) => {
                             let known = quoted_name(self.source, token.span)
+                                .or_else(|| self.latex_command(token.span))
                                 .or_else(|| self.angle_vector(token.span))
                                 .or_else(|| self.absolute_value(token.span))
                                 .or_else(|| Some(self.foreign_item(token.span, mode)?.0));
@@ -299,8 +303,9 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                             })
                         }
                         Some(Fault::LonePoint) => {
-                            let component = self.lettered_component(token.span);
-                            component.map(|span| BadRun {
+                            let known = self.lettered_component(token.span);
+                            let known = known.or_else(|| self.point_behind_word(token.span));
+                            known.map(|span| BadRun {
                                 span,
                                 first: '.',
                                 is_whole: true,

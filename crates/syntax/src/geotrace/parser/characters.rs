@@ -95,6 +95,12 @@ fn visible(text: &str) -> String {
     text.map(show).collect()
 }
 
+/// Returns the character that a full-width one stands for.
+fn half_width(character: char) -> Option<char> {
+    let is_full_width = matches!(character, '\u{FF01}'..='\u{FF5E}');
+    char::from_u32(u32::from(character).wrapping_sub(0xFEE0)).filter(|_| is_full_width)
+}
+
 /// Returns the text with the same meaning as a character in any context.
 fn equivalent(character: char) -> Option<&'static str> {
     Some(match character {
@@ -163,16 +169,43 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             self.state.rejected = true;
             return;
         }
+        if half_width(first).is_some() {
+            return self.report_full_width(span, first);
+        }
         let text = span.text(self.source);
+        if first == '.' {
+            return self.report_point(span);
+        }
         let mut diagnostic = bad_characters(self.source, span, first);
         if equivalent(first).is_some() && self.is_in_name(mode) {
             diagnostic.fixes.clear();
             diagnostic.hint = Some("choose a name of letters and digits".to_owned());
         }
         match first {
-            '.' => {
-                diagnostic = self.bad_component(span);
-                self.state.silent = true;
+            '\\' if let Some((hint, written)) = foreign::latex(text) => {
+                diagnostic = diagnostic.with_hint(hint);
+                diagnostic
+                    .fixes
+                    .extend(written.map(|written| match written {
+                        "" => Fix::remove(span, text).with_all(),
+                        written => Fix::change(span, written, true).with_all(),
+                    }));
+            }
+            '⁻' if text == "⁻¹"
+                && self.previous.span.end == span.start
+                && let TokenKind::Function(id) = self.previous.kind
+                && let Some(inverse) = self.parsed.symbol(id).inverse.as_deref() =>
+            {
+                let place = self.previous.span.to(span);
+                let before = &self.source[..place.start as usize];
+                let behind = &self.source[place.end as usize..];
+                let written = foreign::apart(before, inverse, behind);
+                diagnostic = diagnostic
+                    .with_hint(format!("write `{inverse}` for the inverse"))
+                    .with_fix(Fix {
+                        replacement: written,
+                        ..Fix::change(place, inverse, true).with_all()
+                    });
             }
             '|' if text.contains(|c: char| c.is_ascii_alphanumeric()) => {
                 let inside = text.trim_matches('|').trim();
@@ -243,6 +276,97 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.report(diagnostic);
     }
 
+    /// Reports the full-width characters from this one to the last of its line, which an input method writes, as the only
+    /// report of the declaration.
+    fn report_full_width(&mut self, span: Span, first: char) {
+        /// The maximum number of characters that are inspected.
+        const LONGEST: usize = 200;
+        let line = self.source[span.start as usize..]
+            .char_indices()
+            .take(LONGEST)
+            .take_while(|(_, c)| !";#\r\n".contains(*c));
+        let length = line
+            .filter(|(_, c)| half_width(*c).is_some())
+            .map(|(at, c)| at + c.len_utf8())
+            .last();
+        let place = Span::new(span.start, span.start + length.unwrap_or_default() as u32);
+        let characters = place.text(self.source).chars();
+        let written: String = characters.map(|c| half_width(c).unwrap_or(c)).collect();
+        let form = quote(&written);
+        let diagnostic = bad_characters(self.source, span, first)
+            .with_hint(format!("write {form}, without full-width characters"))
+            .with_fix(Fix::change(place, &written, true).with_all());
+        self.report(diagnostic);
+        self.state.quiet = true;
+        self.state.rejected = true;
+    }
+
+    /// Reports a `.` right after a word, with the letters that belong to it.
+    fn report_point(&mut self, span: Span) {
+        let text = span.text(self.source);
+        let message = "a `.` cannot be used here";
+        let diagnostic = Diagnostic::error(codes::BAD_NUMBER, span, message);
+        let diagnostic = match self.previous.kind {
+            TokenKind::Undefined
+                if { &self.state.undefined }.contains(&self.previous.span.text(self.source)) =>
+            {
+                // Its report has the hint.
+                return;
+            }
+            TokenKind::Undefined => {
+                diagnostic.with_hint("a name is one word of letters and digits")
+            }
+            TokenKind::Word => {
+                let name = self.previous.span.text(self.source);
+                diagnostic
+                    .with_hint(format!(
+                        "files are named without their extension: write `{name}`"
+                    ))
+                    .with_fix(Fix::remove(span, text).with_all())
+            }
+            _ if text == "." => diagnostic
+                .with_hint("write `a b` for the product, of vectors the dot product")
+                .with_fix(Fix {
+                    title: "Write a space".to_owned(),
+                    ..Fix::change(span, " ", true)
+                }),
+            _ => {
+                self.state.silent = true;
+                self.bad_component(span)
+            }
+        };
+        self.report(diagnostic);
+    }
+
+    /// Returns the span of a command of LaTeX that has an equivalent, if it begins with this backslash.
+    pub(super) fn latex_command(&self, backslash: Span) -> Option<Span> {
+        let rest = &self.source[backslash.start as usize..];
+        let length = rest.strip_prefix('\\')?;
+        let length = length.find(|c: char| !c.is_ascii_alphanumeric());
+        let command = &rest[..1 + length.unwrap_or(rest.len() - 1)];
+        foreign::latex(command)?;
+        Some(Span::new(
+            backslash.start,
+            backslash.start + command.len() as u32,
+        ))
+    }
+
+    /// Returns the span of a `.` between two words, if it is this one: with the word behind it, if that is the extension of a
+    /// file.
+    pub(super) fn point_behind_word(&self, point: Span) -> Option<Span> {
+        let rest = &self.source[point.end as usize..];
+        let length = rest.find(|c: char| !c.is_ascii_alphanumeric());
+        let word = &rest[..length.unwrap_or(rest.len())];
+        let touches = self.previous.span.end == point.start;
+        let is_between = touches && word.starts_with(|c: char| c.is_ascii_alphabetic());
+        match self.previous.kind {
+            TokenKind::Word => Some(Span::new(point.start, point.end + word.len() as u32)),
+            TokenKind::Variable(_) | TokenKind::Constant(_) | TokenKind::Undefined => Some(point),
+            _ => None,
+        }
+        .filter(|_| is_between)
+    }
+
     /// Returns true if a bad character is reported together with the one before it.
     pub(super) fn joins(&self, first: char, next: char, mode: Mode) -> bool {
         let is_sign = |character| equivalent(character).is_some();
@@ -310,6 +434,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 | TokenKind::Comma
                 | TokenKind::At
                 | TokenKind::ParenOpen
+                | TokenKind::BracketOpen
+                | TokenKind::BraceOpen
                 | TokenKind::Plus
                 | TokenKind::Minus
                 | TokenKind::Star

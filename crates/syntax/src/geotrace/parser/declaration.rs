@@ -1,7 +1,7 @@
 //! Declarations: `DECL` and everything below it except expressions.
 
 use super::intervals::IntervalOwner;
-use super::messages::quote;
+use super::messages::{lowercase_keyword, quote};
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
@@ -67,6 +67,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let unworded = match following {
             _ if !is_free => None,
+            // `Curve(cos(t), sin(t), t)` of another language has no name and no parameters.
+            Some(b'(') if lowercase_keyword(text).is_some() => None,
             Some(b'=') => Some(DeclarationKeyword::Define),
             Some(b'(') => Some(DeclarationKeyword::Function),
             _ => None,
@@ -302,8 +304,30 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             TokenKind::Equals if keyword == DeclarationKeyword::Grid => Some(format!(
                 "write `grid {text} : [a, b, n];`, or use `define` for a constant"
             )),
-            TokenKind::Equals if keyword == DeclarationKeyword::Function => {
-                Some("a constant is declared by `define`".to_owned())
+            TokenKind::Equals if keyword == DeclarationKeyword::Function => Some(format!(
+                "write `function {text}(x) = …`, or use `define` for a constant"
+            )),
+            TokenKind::Comma => Some("each declaration has one name".to_owned()),
+            TokenKind::At if keyword == DeclarationKeyword::Light => {
+                let end = self.state.name_span.end;
+                diagnostic = diagnostic.with_fix(Fix::insert("Insert `=`", end, " ="));
+                Some("write `=` before the `@`".to_owned())
+            }
+            TokenKind::Undefined if let Some((hint, fix)) = self.parameter_without_bracket(wanted) => {
+                diagnostic = diagnostic.with_fix(fix);
+                Some(hint)
+            }
+            _ if keyword == DeclarationKeyword::Surface
+                && matches!(
+                    self.current.kind,
+                    TokenKind::Caret
+                        | TokenKind::Plus
+                        | TokenKind::Minus
+                        | TokenKind::Star
+                        | TokenKind::Slash
+                ) =>
+            {
+                Some("an equation describes the face of a solid: write `solid s(x, y, z) = x^2 + y^2 + z^2 - 1;`".to_owned())
             }
             TokenKind::Colon if keyword == DeclarationKeyword::Function => {
                 Some(format!("write `function {text}(x) = …`"))
@@ -353,6 +377,20 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             None => diagnostic,
         };
         Err(self.reject(diagnostic))
+    }
+
+    /// Returns the form of a declaration whose only parameter, the current token, is not in brackets: `function f x = x^2`.
+    fn parameter_without_bracket(&self, wanted: TokenKind) -> Option<(String, Fix)> {
+        let word = self.lexer.word();
+        let is_whole = word == self.current.span;
+        let is_last = self.following(word.end) == Some(b'=');
+        let parameter = word.text(self.source);
+        let name = self.state.name_span;
+        let form = quote(&format!("{}({parameter}) = …", self.state.name));
+        let place = Span::new(name.end, word.end);
+        let fix = Fix::change(place, &format!("({parameter})"), true);
+        (wanted == TokenKind::ParenOpen && is_whole && is_last)
+            .then(|| (format!("parameters are in brackets: write {form}"), fix))
     }
 
     /// Returns true if the bracket that opens here contains only words, as a list of parameters does.
@@ -473,7 +511,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     fn body(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
             let rest = &self.source[self.current.span.start as usize..];
-            if let Some(arrow) = ["->", ":="].into_iter().find(|it| rest.starts_with(it)) {
+            let signs = ["->", ":=", ":"].into_iter();
+            if let Some(arrow) = { signs }.find(|it| rest.starts_with(it)) {
                 return Err(self.reject_arrow(arrow));
             }
             return Err(self.expected("`=` after the parameters"));

@@ -172,6 +172,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let operand = self.unary()?;
         let span = function.to(operand);
         self.operator(Operator::Apply, span);
+        if self.current.kind == TokenKind::ParenOpen && self.current.span.start == operand.end {
+            self.warn_root(function, operand);
+        }
         if matches!(
             self.previous.kind,
             TokenKind::Number(_) | TokenKind::Variable(_) | TokenKind::Constant(_)
@@ -198,6 +201,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     pub(super) fn func2(&mut self, id: SymbolId) -> Parse {
         let mut span = self.current.span;
         self.operator(Operator::Function(id), span);
+        if self.lexer.word().end > span.end {
+            self.warn_product_of_function(id);
+        }
         self.advance(Mode::Expression);
         loop {
             match self.current.kind {
@@ -296,6 +302,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             return Err(self.unclosed(opening, closing, "`,` or "));
         }
         let span = opening.to(self.current.span);
+        if count == 1 && matches!(self.previous.kind, TokenKind::Number(_)) {
+            self.warn_row(span);
+        }
         self.advance(Mode::Expression);
         self.operator(Operator::Tuple(count), span);
         Ok(span)

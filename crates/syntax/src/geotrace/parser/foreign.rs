@@ -209,6 +209,20 @@ pub(super) fn rotation(text: &str) -> Option<String> {
     is_axis.then(|| format!("({})", parts.join(", ")))
 }
 
+/// Returns the hint at a command of LaTeX, and the text that replaces it, if it is the same in every context.
+pub(super) fn latex(command: &str) -> Option<(&'static str, Option<&'static str>)> {
+    Some(match command.strip_prefix('\\')? {
+        "cdot" => (
+            "write `a b` for the product, of vectors the dot product",
+            None,
+        ),
+        "times" => ("write `*`", Some("*")),
+        "frac" | "dfrac" | "tfrac" => ("a fraction is written `a/b`", None),
+        "left" | "right" => ("remove it", Some("")),
+        _ => return None,
+    })
+}
+
 /// Returns the attribute for a word that sets the same property in other languages.
 pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
     Some(match word {

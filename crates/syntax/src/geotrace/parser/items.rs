@@ -228,11 +228,32 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if tag.is_some() {
             self.advance(Mode::Expression);
             if self.current.kind != TokenKind::Colon {
-                return Err(self.expected("`:` after the name of the parameter"));
+                let mut diagnostic =
+                    self.expected_diagnostic("`:` after the name of the parameter");
+                if let Some(interval) = self.shared_interval() {
+                    let title = format!("Insert `{interval}`");
+                    let fix = Fix::insert(&title, span.end, &format!(" {interval}"));
+                    diagnostic = diagnostic
+                        .with_hint("each parameter has its own interval")
+                        .with_fix(fix.with_all());
+                }
+                return Err(self.reject(diagnostic));
             }
             self.advance(Mode::Expression);
         }
         self.interval(IntervalOwner::Domain, tag)
+    }
+
+    /// Returns the interval, with its `:`, of the parameter after the current comma: `u, v : [0, 1]`.
+    fn shared_interval(&self) -> Option<&str> {
+        let comma = self.current.span;
+        let rest = self.source[comma.end as usize..].trim_start();
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric())?;
+        let (word, rest) = rest.split_at(end);
+        self.state.parameter_trie.get(word)?;
+        let interval = foreign::first_item(rest.trim_start());
+        let is_interval = interval.starts_with(':') && interval.ends_with(']');
+        (is_interval && self.current.kind == TokenKind::Comma).then_some(interval)
     }
 
     /// Rejects the text after the value of a curve, a surface or a metric, if it is not an item: the value's components

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::Parser;
 use super::messages::quote;
-use super::names::Mode;
+use super::names::{Mode, meaning};
+use super::{Parser, foreign};
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::document::ShadowedSplit;
 use crate::geotrace::actions::Actions;
@@ -25,7 +25,7 @@ pub(super) struct LintState {
     /// The end of the last word that looks like a derivative by several parameters.
     derivative_end: u32,
     /// The end of the last numbers that look like one number.
-    numbers_end: u32,
+    pub(super) numbers_end: u32,
     splits: Vec<Split>,
 }
 
@@ -79,7 +79,7 @@ impl LintState {
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reports a warning. `written` are unambiguous texts for the possible readings, for fixes.
-    fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
+    pub(super) fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         let fixes = written.iter().map(|text| Fix::write(span, text));
         self.warn_with(span, message, hint, fixes.collect());
     }
@@ -177,6 +177,21 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.warn(span, message, known.hint.to_owned(), &[]);
             return;
         }
+        if number == "-1"
+            && operand.start == function.end
+            && let Some(inverse) = self.inverse(name)
+        {
+            let hint = format!(
+                "write `{inverse} x` for the inverse, or {} if that is meant",
+                quote(&read)
+            );
+            let place = function.to(operand);
+            let behind = &self.source[place.end as usize..];
+            let meant = Fix::write(place, &foreign::apart("", inverse, behind));
+            let fixes = vec![meant, Fix::write(span, &read)];
+            self.warn_with(span, message, hint, fixes);
+            return;
+        }
         if !is_whole || !is_plain_product(next) {
             let hint = format!("write the argument of {} between brackets", quote(name));
             self.warn(span, message, hint, &[]);
@@ -186,94 +201,72 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_of_reading(span, &written, &meant, &read);
     }
 
+    /// Returns the inverse of the function with this name, if both are builtins.
+    fn inverse(&self, name: &str) -> Option<&str> {
+        let id = self.parsed.get(name)?;
+        self.parsed.symbol(id).inverse.as_deref()
+    }
+
     /// Returns true for the name of a builtin that is a word of its own only before a bracket.
     fn is_weak(&self, name: &str) -> bool {
         let words = self.parsed.words();
         self.parsed.get(name).is_none() && words.is_some_and(|words| words.weak(name).is_some())
     }
 
-    /// `v[1]`: looks like a component. The current token is a factor after a product.
-    #[inline]
-    pub(super) fn warn_index(&mut self, product: Span) {
-        if self.current.kind != TokenKind::BracketOpen
-            || self.previous.span.end != self.current.span.start
-        {
-            return;
-        }
-        if self.previous.kind.is_value() {
-            self.warn_brackets_behind(self.previous.span);
-        } else if is_bracket(product.text(self.source)) {
-            self.warn_brackets_behind(product);
-        }
-    }
-
-    /// `1 000`, `3.14.15`: looks like one number. The current token is a factor after a product.
-    #[inline]
-    pub(super) fn warn_numbers(&mut self, product: Span) {
-        if matches!(self.current.kind, TokenKind::Number(_))
-            && (matches!(self.previous.kind, TokenKind::Number(_))
-                || self.previous.span.end == self.current.span.start)
-        {
-            self.warn_joined_numbers(product);
-        }
-    }
-
+    /// `acost` where `a` is declared: looks like a product with the cosine. The current token is the function, and the rest of
+    /// its word follows.
     #[cold]
-    fn warn_joined_numbers(&mut self, product: Span) {
-        let next = self.current.span;
-        let first = match self.previous.kind {
-            TokenKind::Number(_) | TokenKind::Variable(_) | TokenKind::Constant(_) => {
-                self.previous.span
+    pub(super) fn warn_product_of_function(&mut self, id: SymbolId) {
+        let function = self.current.span;
+        if self.parsed.symbol(id).keyword.is_some() {
+            return;
+        }
+        let name = function.text(self.source);
+        for split in 1..name.len() {
+            let (factor, inner) = name.split_at(split);
+            let is_builtin = |id| self.parsed.symbol(id).keyword.is_none();
+            let Some(inner_id) = self.parsed.get(inner).filter(|id| is_builtin(*id)) else {
+                continue;
+            };
+            if !matches!(meaning(&self.parsed, inner_id), TokenKind::Function(_)) {
+                continue;
             }
-            _ if is_bracket(product.text(self.source)) => product,
-            _ => return,
+            let declared = self.parsed.get(factor);
+            let kind = declared.map_or(TokenKind::Undefined, |id| meaning(&self.parsed, id));
+            self.parsed.record_name_lookup(factor, function.start, kind);
+            let is_parameter =
+                self.state.in_body && self.state.parameter_trie.get(factor).is_some();
+            if is_parameter || matches!(kind, TokenKind::Constant(_)) {
+                let rest = Span::new(function.end, self.lexer.word().end).text(self.source);
+                let place = function.to(self.lexer.word());
+                let (meant, read) = (format!("{factor} {inner} {rest}"), format!("{name} {rest}"));
+                let written = place.text(self.source);
+                self.warn_of_reading(place, written, &meant, &read);
+            }
+        }
+    }
+
+    /// `sqrt[3](2)`: looks like a root. A `(` follows the operand.
+    #[cold]
+    pub(super) fn warn_root(&mut self, function: Span, operand: Span) {
+        let name = function.text(self.source);
+        let index = operand.text(self.source);
+        let index = index.strip_prefix('[').and_then(|it| it.strip_suffix(']'));
+        let is_index = |index: &&str| index.bytes().all(|byte| byte.is_ascii_digit());
+        let Some(index) = index.filter(is_index).filter(|_| name == "sqrt") else {
+            return;
         };
-        if first.start < self.lints.numbers_end {
-            return;
-        }
-        let between = Span::new(first.end, next.start).text(self.source);
-        // `0..2` is an interval in another notation.
-        let is_fraction = between.is_empty()
-            && next.text(self.source).starts_with('.')
-            && !first.text(self.source).ends_with('.');
-        let is_group = |text: &str| text.len() == 3 && text.bytes().all(|it| it.is_ascii_digit());
-        let is_grouped = between.bytes().all(|byte| byte == b' ')
-            && !between.is_empty()
-            && first
-                .text(self.source)
-                .bytes()
-                .all(|it| it.is_ascii_digit())
-            && first.end - first.start <= 3
-            && is_group(next.text(self.source));
-        if !is_fraction && !is_grouped {
-            return;
-        }
-        let mut end = next.end;
-        while is_grouped
-            && let Some(group) = self.source[end as usize..].strip_prefix(' ')
-            && let length = group.bytes().take_while(u8::is_ascii_alphanumeric).count()
-            && is_group(&group[..length])
-        {
-            end += 1 + length as u32;
-        }
-        self.lints.numbers_end = end;
-        let place = first.to(Span::new(next.start, end));
-        let written = place.text(self.source);
-        let parts: Vec<&str> = match is_grouped {
-            true => written.split(' ').filter(|part| !part.is_empty()).collect(),
-            false => vec![first.text(self.source), next.text(self.source)],
-        };
-        let read = parts.join("*");
-        let message = format!("{} is read as {}, a product", quote(written), quote(&read));
-        if is_fraction {
-            let hint = format!("write {} if that is meant", quote(&read));
-            self.warn(place, message, hint, &[&read]);
-            return;
-        }
-        let meant = parts.concat();
-        let (one, product) = (quote(&meant), quote(&read));
-        let hint = format!("write {one} for the number, or {product} if that is meant");
-        self.warn(place, message, hint, &[&meant, &read]);
+        let place = function.to(operand);
+        let read = format!("({name} {index})");
+        let message = format!(
+            "`{name}[{index}](x)` is read as {}, a product",
+            quote(&format!("{read}(x)"))
+        );
+        let hint = format!(
+            "write `x^(1/{index})` for the root, or {} if that is meant",
+            quote(&format!("{read}(x)"))
+        );
+        self.warn(place, message, hint, &[&read]);
     }
 
     /// `a//b`: looks like a quotient of integers, or a comment. The current token is the second slash, and touches the first.
@@ -287,30 +280,6 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             hint.to_owned(),
             &["/", "/ /"],
         );
-    }
-
-    #[cold]
-    fn warn_brackets_behind(&mut self, value: Span) {
-        let bracket = self.current.span;
-        let behind = &self.source[bracket.end as usize..];
-        let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
-        if digits == 0 || behind.as_bytes().get(digits) != Some(&b']') {
-            return;
-        }
-        let (name, index) = (value.text(self.source), &behind[..digits]);
-        let (meant, read) = (format!("{name}_{index}"), format!("{name} {index}"));
-        let place = Span::new(value.start, bracket.end + digits as u32 + 1);
-        let written = quote(place.text(self.source));
-        let (read_as, component) = (quote(&read), quote(&meant));
-        let message = format!("{written} is read as {read_as}, a product");
-        if index.bytes().all(|digit| digit == b'0') {
-            let first = quote(&format!("{name}_1"));
-            let hint = format!("components count from 1: write {first} for the first one");
-            self.warn(place, message, hint, &[]);
-            return;
-        }
-        let hint = format!("write {component} for the component, or {read_as} if that is meant");
-        self.warn(place, message, hint, &[&meant, &read]);
     }
 
     /// `f_xy`: looks like a derivative by x and y. `derivative` is `f_x`, and the current token begins the rest of the word.
@@ -399,13 +368,28 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(fraction, message, hint, &[&meant]);
     }
 
-    /// `e^-2t`: looks as if the factor after the number were in the exponent. The current token is that factor. With other
-    /// bases such a power is usual: `x^2y`.
+    /// `e^-2t`, `2^xy`: looks as if the factor after the number or the name were in the exponent. The current token is that
+    /// factor. With other bases such a power is usual: `x^2y`.
     #[inline]
     pub(super) fn warn_short_exponent(&mut self, base: Span, exponent: Span) {
-        let is_number = matches!(self.previous.kind, TokenKind::Number(_));
         let touches = self.previous.span.end == self.current.span.start;
-        if is_number && touches && self.is_value() && base.text(self.source) == "e" {
+        if !touches || !self.is_value() {
+            return;
+        }
+        let text = base.text(self.source);
+        let is_number = || {
+            text.bytes()
+                .all(|byte| byte.is_ascii_digit() || byte == b'.')
+        };
+        let signs = Span::new(exponent.start, self.previous.span.start).text(self.source);
+        let looks_longer = match self.previous.kind {
+            TokenKind::Number(_) => text == "e",
+            TokenKind::Variable(_) | TokenKind::Constant(_) => {
+                (text == "e" || is_number()) && signs.trim_start_matches(['+', '-']).is_empty()
+            }
+            _ => false,
+        };
+        if looks_longer {
             self.warn_exponent(base, exponent);
         }
     }
@@ -413,8 +397,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     #[cold]
     fn warn_exponent(&mut self, base: Span, exponent: Span) {
         let (number, factor) = (exponent.text(self.source), self.current.span);
-        let read = format!("e^{number} {}", factor.text(self.source));
-        let meant = format!("e^({number}{})", factor.text(self.source));
+        let power = format!("{}^", base.text(self.source));
+        let read = format!("{power}{number} {}", factor.text(self.source));
+        let meant = format!("{power}({number}{})", factor.text(self.source));
         let place = base.to(factor);
         // More factors, or a power of this one, may be meant to be in the exponent too.
         let rest = self.source[factor.end as usize..].trim_start_matches([' ', '\t']);
@@ -574,7 +559,7 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
 }
 
 /// Returns true if a text is a single bracket without others inside.
-fn is_bracket(text: &str) -> bool {
+pub(super) fn is_bracket(text: &str) -> bool {
     text.starts_with(['(', '[', '{']) && text.find([')', ']', '}']) == Some(text.len() - 1)
 }
 

@@ -42,6 +42,14 @@ const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in bracke
 /// The hint at a comment of another language.
 pub(super) const COMMENT: &str = "a comment begins with `#`";
 
+/// The hint at a loop of another language.
+const LOOPS: &str = "there are no loops: a `grid` draws an object once for each of its values: `grid k : [0, 1, 5];`";
+
+/// Returns the keyword that a word is but for its capitals.
+pub(super) fn lowercase_keyword(word: &str) -> Option<DeclarationKeyword> {
+    DeclarationKeyword::from_text(&word.to_ascii_lowercase())
+}
+
 /// Returns the error of an interval in another notation.
 pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diagnostic {
     let found = quote(place.text(source));
@@ -291,8 +299,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let whole = number.strip_suffix(',').unwrap_or_default();
         if number.len() < before.len() && whole.ends_with(|c: char| c.is_ascii_digit()) {
             // `(1,5; 2; 3)`: the commas stand in numbers.
-            let hint =
-                "components are separated by `,`, and the sign in a number is `.`: `(1.5, 2, 3)`";
+            let is_metric = self.state.keyword == Some(DeclarationKeyword::Metric);
+            let hint = match is_metric && self.state.in_body {
+                true => self.metric_form(),
+                false => "components are separated by `,`, and the sign in a number is `.`: `(1.5, 2, 3)`".to_owned(),
+            };
             self.reject(diagnostic.with_hint(hint));
             return true;
         }
@@ -328,12 +339,18 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let hint = match (guess, unworded) {
             (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
             _ if let Some(hint) = foreign::style(name) => hint.to_owned(),
-            _ if matches!(name, "if" | "else" | "while" | "for") => NO_CONDITIONS.to_owned(),
+            _ if matches!(name, "if" | "else") => NO_CONDITIONS.to_owned(),
+            _ if matches!(name, "while" | "for") => LOOPS.to_owned(),
             (None, Some(word)) => {
                 let written = quote(&format!("{} {name}", word.text()));
                 format!("write {written}")
             }
             _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
+            _ if let Some(keyword) = lowercase_keyword(name) => {
+                let row = keyword.row();
+                format!("did you mean `{}`, as in `{}`?", row.text, row.example)
+            }
+            _ if let Some(foreign) = self.foreign_word(name, true) => foreign.hint.to_owned(),
             _ => {
                 let words = DeclarationKeyword::ALL
                     .map(DeclarationKeyword::text)
@@ -377,6 +394,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         matches!(self.previous.kind, TokenKind::Number(_))
             && self.previous.span.end == comma.start
             && is_last_digits(&self.source[comma.end as usize..])
+    }
+
+    /// Returns a hint if a parameter and the sign of a comparison follow the current token.
+    fn interval_hint(&self) -> Option<String> {
+        let rest = self.source[self.current.span.end as usize..].trim_start();
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric())?;
+        let (word, rest) = rest.split_at(end);
+        let is_compared = rest.trim_start().starts_with(['<', '>', '≤', '≥', '=']);
+        self.state.parameter_trie.get(word)?;
+        let form = quote(&format!("{word} : [min, max]"));
+        is_compared.then(|| format!("an interval bounds a parameter: write {form}"))
     }
 
     /// Returns true if the word of an attribute and a `:` follow the current token.
@@ -440,6 +468,19 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     keyword.text()
                 ))
             }
+            TokenKind::Comma if self.is_decimal_comma() => {
+                let fix = Fix::change(self.current.span, ".", true);
+                let diagnostic = self.expected_diagnostic("`;`").with_hint(DECIMAL);
+                diagnostic.with_fix(fix)
+            }
+            TokenKind::Comma
+                if keyword == DeclarationKeyword::Solid
+                    && let Some(hint) = self.interval_hint() =>
+            {
+                // The sign of the comparison is part of this report.
+                self.state.quiet = true;
+                self.expected_diagnostic("`;`").with_hint(hint)
+            }
             TokenKind::Comma if keyword == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
                 .with_hint("a function has no intervals: a `curve` or a `surface` has"),
@@ -457,11 +498,6 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 let fix = Fix::change(self.current.span, sign, true);
                 let diagnostic = self.expected_diagnostic("`;`");
                 diagnostic.with_hint(hint).with_fix(fix.with_all())
-            }
-            TokenKind::Comma if self.is_decimal_comma() => {
-                let fix = Fix::change(self.current.span, ".", true);
-                let diagnostic = self.expected_diagnostic("`;`").with_hint(DECIMAL);
-                diagnostic.with_fix(fix)
             }
             TokenKind::Comma => self
                 .expected_diagnostic("`;`")

@@ -218,7 +218,24 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     .with_hint("a name starts with a letter");
                 return Err(self.reject(diagnostic));
             }
-            _ => return Err(self.expected(what)),
+            found => {
+                let mut diagnostic = self.expected_diagnostic(what);
+                let is_function = self.state.keyword == Some(DeclarationKeyword::Function);
+                diagnostic.hint = match self.state.keyword {
+                    Some(keyword) if found == TokenKind::Equals && what != Self::PARAMETER => {
+                        Some(format!("write `{} name = …`", keyword.text()))
+                    }
+                    _ if is_function
+                        && found == TokenKind::ParenClose
+                        && self.state.parameters.is_empty() =>
+                    {
+                        let hint = "a function has a parameter: use `define` for a constant";
+                        Some(hint.to_owned())
+                    }
+                    _ => diagnostic.hint,
+                };
+                return Err(self.reject(diagnostic));
+            }
         };
         self.report(diagnostic);
         Ok(false)
@@ -325,7 +342,10 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .into_iter()
             .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)));
         let mut own = self.undefined_hint(whole, word);
-        if let Some((hint, fix)) = self.field_form().filter(|_| own.is_none()) {
+        let form = self
+            .field_form()
+            .or_else(|| self.without_module(word == whole));
+        if let Some((hint, fix)) = form.filter(|_| own.is_none()) {
             own = Some(hint);
             diagnostic = diagnostic.with_fix(fix);
         }
@@ -343,6 +363,20 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
     }
 
+    /// Returns, as a hint, the name without the module that the current token, an undefined word, stands for: `math.pi`.
+    fn without_module(&self, is_whole: bool) -> Option<(String, Fix)> {
+        let module = self.current.span;
+        let behind = self.source[module.end as usize..].strip_prefix('.')?;
+        let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
+        let name = &behind[..end.unwrap_or(behind.len())];
+        // `.x` is a component.
+        let is_name = name.len() > 1 && name.starts_with(|c: char| c.is_ascii_alphabetic());
+        let place = Span::new(module.start, module.end + 1);
+        let hint = format!("names have no module before them: write {}", quote(name));
+        (is_whole && is_name)
+            .then(|| (hint, Fix::remove(place, place.text(self.source)).with_all()))
+    }
+
     /// Returns true for `dx` in the value of a metric with the parameter x.
     fn is_differential(&self, word: &str) -> bool {
         let is_metric = self.state.keyword == Some(DeclarationKeyword::Metric);
@@ -354,7 +388,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     }
 
     /// Returns a hint with the form of a metric's value.
-    fn metric_form(&self) -> String {
+    pub(super) fn metric_form(&self) -> String {
         let names: Vec<&str> = self.state.parameters.iter().map(|it| &*it.name).collect();
         let [x, y] = names[..].first_chunk().copied().unwrap_or(["u", "v"]);
         format!("a metric's value is `(E, F, G)` for E d{x}² + 2F d{x} d{y} + G d{y}²")
@@ -456,7 +490,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let found = self.found();
         let diagnostic = if symbol.keyword.is_none() {
             let message = format!("a builtin function has no named parameters, found {found}");
-            let hint = format!("use `{name}'` for the derivative");
+            let digits = self.current.span.text(self.source);
+            // `log_2 8`: a logarithm is explained for base 10.
+            let logarithm = self
+                .foreign_word(&format!("{name}10"), true)
+                .filter(|_| matches!(self.current.kind, TokenKind::Number(_)));
+            let hint = match logarithm {
+                Some(known) => known.hint.replace("10", digits),
+                None => format!("use `{name}'` for the derivative"),
+            };
             self.here(codes::NO_PARAMETERS, message).with_hint(hint)
         } else {
             let names = list(&symbol.parameters);

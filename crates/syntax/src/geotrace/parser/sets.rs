@@ -3,6 +3,7 @@
 
 use super::names::Mode;
 use super::{MAX_DEPTH, Parse, Parser};
+use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Operator};
 use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::{MapWord, TokenKind};
@@ -115,6 +116,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if let TokenKind::Constant(_) | TokenKind::Number(_) = self.current.kind {
             let hint = "a set names solids; a solid by a function lists its parameters, as in `solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;`";
             diagnostic = diagnostic.with_hint(hint);
+        }
+        if self.current.kind == self.previous.kind
+            && let TokenKind::Ampersand | TokenKind::Bar = self.current.kind
+        {
+            let sign = self.current.span.text(self.source);
+            diagnostic = diagnostic
+                .with_hint(format!("a set is written with one sign: `a {sign} b`"))
+                .with_fix(Fix::remove(self.current.span, sign).with_all());
         }
         if let Some((hint, fix)) = self.field_form() {
             diagnostic = diagnostic.with_hint(hint).with_fix(fix);
