@@ -236,8 +236,10 @@ fn hover_tells_what_a_solid_is() {
         assert!(die.contains(part), "{part} in {die}");
     }
     let ball = told("solid b¦all(x,y,z) = x^2 + y^2 + z^2 - 1;");
-    let wanted = "within `x : [-1.01, 1.01]`, `y : [-1.01, 1.01]`, `z : [-1.01, 1.01]`";
+    let wanted = "within `x : [-1, 1]`, `y : [-1, 1]`, `z : [-1, 1]`";
     assert!(ball.contains(wanted), "{ball}");
+    let beside = told("solid b¦all(x,y,z) = (x + 1)^2 + y^2 + z^2 - 1;");
+    assert!(beside.contains("within `x : [-2, 0]`"), "{beside}");
     let ground = told("param h : [0, 1]; solid g¦round(x,y,z) = z - h;");
     assert!(ground.contains("endless, for `h = 0`"), "{ground}");
     let empty = told("solid n¦othing(x,y,z) = x^2 + y^2 + z^2 + 1;");

@@ -97,8 +97,10 @@ fn extent(rays: &RayScene, start: &str) -> String {
     let step = 10_f64.powf(longest.log10().floor() - 2.0);
     let sides = ["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| {
         let [low, high] = [bounds.lower[axis], bounds.upper[axis]];
-        let low = end((low / step).floor() * step);
-        let high = end((high / step).ceil() * step);
+        // The box is about 1e-9 too large: that must not become a whole step.
+        let slack = (1e-6 * longest).min((high - low) / 4.0);
+        let low = end(((low + slack) / step).floor() * step);
+        let high = end(((high - slack) / step).ceil() * step);
         format!("`{name} : [{low}, {high}]`")
     });
     let sides: Vec<String> = sides.collect();
@@ -110,7 +112,8 @@ fn end(x: f64) -> String {
     match x {
         f64::INFINITY => "∞".to_owned(),
         f64::NEG_INFINITY => "-∞".to_owned(),
-        x => short(x),
+        // Without the sign of a zero.
+        x => short(x + 0.0),
     }
 }
 
