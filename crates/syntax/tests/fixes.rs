@@ -88,6 +88,36 @@ fn a_product_that_looks_like_something_else_has_a_fix_for_each_meaning() {
 }
 
 #[test]
+fn a_product_with_a_function_is_not_the_inverse_of_another() {
+    for (source, texts) in [
+        (
+            "function g(a, s) = 2asins;",
+            [
+                "function g(a, s) = 2a sin s;",
+                "function g(a, s) = 2asin s;",
+            ],
+        ),
+        (
+            "define a = 1; function g(s) = sacoss^2;",
+            [
+                "define a = 1; function g(s) = sa cos s^2;",
+                "define a = 1; function g(s) = sacos s^2;",
+            ],
+        ),
+    ] {
+        let found = parse(source).0.diagnostics;
+        assert_eq!(found.len(), 1, "{source}: {found:?}");
+        for (fix, meant) in found[0].fixes.iter().zip(texts) {
+            let mut text = source.to_owned();
+            let place = fix.span.start as usize..fix.span.end as usize;
+            text.replace_range(place, &fix.replacement);
+            assert_eq!(text, meant);
+            assert_eq!(program_findings(&text), [""; 0], "{text}");
+        }
+    }
+}
+
+#[test]
 fn a_product_that_looks_like_what_it_is_has_no_warning() {
     for expression in [
         "(1 x 3)",

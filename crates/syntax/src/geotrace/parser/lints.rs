@@ -237,8 +237,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let is_parameter =
                 self.state.in_body && self.state.parameter_trie.get(factor).is_some();
             if is_parameter || matches!(kind, TokenKind::Constant(_)) {
-                let rest = Span::new(function.end, self.lexer.word().end).text(self.source);
-                let place = function.to(self.lexer.word());
+                let place = Span::new(function.start, self.lexer.word().end);
+                let rest = Span::new(function.end, place.end).text(self.source);
                 let (meant, read) = (format!("{factor} {inner} {rest}"), format!("{name} {rest}"));
                 let written = place.text(self.source);
                 self.warn_of_reading(place, written, &meant, &read);

@@ -13,13 +13,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `v[1]`, `v(1)`: looks like a component. The current token is a factor after a product.
     #[inline]
     pub(super) fn warn_index(&mut self, product: Span) {
+        let touches = self.previous.span.end == self.current.span.start;
         let may_be_index = match self.current.kind {
-            TokenKind::BracketOpen => true,
+            TokenKind::BracketOpen => touches,
             // A product with a number is usual, but not in this order with a vector.
-            TokenKind::ParenOpen => self.is_vector(),
+            TokenKind::ParenOpen => touches && self.is_vector(),
             _ => false,
         };
-        if !may_be_index || self.previous.span.end != self.current.span.start {
+        if !may_be_index {
             return;
         }
         if self.previous.kind.is_value() {
