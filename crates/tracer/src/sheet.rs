@@ -19,7 +19,7 @@ use glam::DVec3;
 
 use crate::bounds::BoundingBox;
 use crate::bvh::{Hierarchy, MetBox};
-use cell::{Cell, CellEdge};
+use cell::{Cell, CellEdge, Meeting};
 use function::SheetFunction;
 use slopes::{CellSlopes, MARGIN, ROUNDING, SheetRay};
 
@@ -201,16 +201,16 @@ impl Sheet {
         *parts -= 1;
         scratch.counters.parts += 1;
         scratch.operations += CELL_OPERATIONS;
-        let Some(start) = cell.start(ray, reach) else {
+        let Some(meeting) = cell.meeting(ray, reach) else {
             return;
         };
         let slopes = cell.slopes.get_or_init(|| {
             let frame = scratch.once(|scratch| self.function.frame_on(scratch, cell.sides));
-            CellSlopes::new(&frame).map(Box::new)
+            CellSlopes::new(cell.sides, &frame).map(Box::new)
         });
         if let Some(slopes) = slopes
             && slopes.meets_once_at_most(ray)
-            && self.meet_once(scratch, cell, slopes, start, ray, leaving)
+            && self.meet_once(scratch, cell, slopes, &meeting, ray, leaving)
         {
             return;
         }
@@ -247,13 +247,14 @@ impl Sheet {
         scratch: &mut SheetScratch,
         cell: &Cell,
         slopes: &CellSlopes,
-        start: [f64; 2],
+        meeting: &Meeting,
         ray: &SheetRay,
         leaving: Option<[f64; 2]>,
     ) -> bool {
         if leaving.is_some_and(|uv| cell.contains(uv)) {
             return true;
         }
+        let start = cell.start(slopes, meeting);
         match self.newton(scratch, cell, start, ray) {
             Newton::Ahead(hit) => {
                 scratch.add(hit);

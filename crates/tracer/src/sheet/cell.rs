@@ -36,6 +36,15 @@ struct CellPlane {
     error: DVec3,
 }
 
+/// The place of a cell's parallelogram that a ray meets.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Meeting {
+    /// From −1 to 1 along each side.
+    shares: [f64; 2],
+    /// The changes of the shares, as products with a shift of the ray.
+    steps: [DVec3; 2],
+}
+
 /// The place of a cell that is nearest to one outside of it.
 pub(super) struct CellEdge {
     pub(super) at: [f64; 2],
@@ -65,23 +74,26 @@ impl Cell {
         }
     }
 
-    /// Parameters near which a ray may meet the cell with t up to `reach`; `None` if it passes it by.
+    /// The place of the cell near which a ray may meet it with t up to `reach`; `None` if it passes it by.
     #[inline]
-    pub(super) fn start(&self, ray: &SheetRay, reach: f64) -> Option<[f64; 2]> {
-        let shares = match &self.plane {
-            Some(plane) => plane.start(ray, reach)?,
-            None => {
-                let [near, _] = self.bounds.met(ray.origin, ray.reciprocal)?;
-                if self.bounds.is_empty() || near >= reach {
-                    return None;
-                }
-                [0.0; 2]
-            }
-        };
-        Some([0, 1].map(|k| {
+    pub(super) fn meeting(&self, ray: &SheetRay, reach: f64) -> Option<Meeting> {
+        if let Some(plane) = &self.plane {
+            return plane.meeting(ray, reach);
+        }
+        let [near, _] = self.bounds.met(ray.origin, ray.reciprocal)?;
+        (!self.bounds.is_empty() && near < reach).then(Meeting::default)
+    }
+
+    /// The parameters near which a ray may meet the cell.
+    #[inline]
+    pub(super) fn start(&self, slopes: &CellSlopes, meeting: &Meeting) -> [f64; 2] {
+        let [x, y] = meeting.shares;
+        let bend = slopes.bend([x, y]);
+        let shares = [0, 1].map(|k| meeting.shares[k] - meeting.steps[k].dot(bend));
+        [0, 1].map(|k| {
             let [a, b] = self.sides[k];
-            0.5 * (a + b) + 0.5 * (b - a) * shares[k]
-        }))
+            0.5 * (a + b) + 0.5 * (b - a) * shares[k].clamp(-1.0, 1.0)
+        })
     }
 
     /// The place of the cell that is nearest to one outside of it.
@@ -122,9 +134,8 @@ impl Cell {
 }
 
 impl CellPlane {
-    /// The place of the parallelogram, from −1 to 1 along each side, near which a ray may meet the cell.
     #[inline]
-    fn start(&self, ray: &SheetRay, reach: f64) -> Option<[f64; 2]> {
+    fn meeting(&self, ray: &SheetRay, reach: f64) -> Option<Meeting> {
         let Self {
             center,
             sides: [a, b],
@@ -161,14 +172,13 @@ impl CellPlane {
         {
             return None;
         }
-        let share = |x: f64| {
-            if area == 0.0 {
-                0.0
-            } else {
-                (x / area).clamp(-1.0, 1.0)
-            }
-        };
-        Some([share(x), share(y)])
+        if area == 0.0 {
+            return Some(Meeting::default());
+        }
+        Some(Meeting {
+            shares: [x, y].map(|x| (x / area).clamp(-1.0, 1.0)),
+            steps: [p / area, -q / area],
+        })
     }
 }
 

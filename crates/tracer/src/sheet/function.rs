@@ -64,7 +64,7 @@ impl SheetFunction {
     #[inline]
     pub(super) fn frame_at(&self, scratch: &mut SheetScratch, uv: [f64; 2]) -> [DVec3; 3] {
         scratch.counters.places += 1;
-        scratch.operations += 4 * self.work[1] + CELL_OPERATIONS;
+        scratch.operations += 2 * self.work[1] + CELL_OPERATIONS;
         for (position, at) in self.variables.iter().zip(uv) {
             if let Some(position) = *position {
                 scratch.inputs[position] = at;

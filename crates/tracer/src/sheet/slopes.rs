@@ -83,11 +83,13 @@ pub(super) struct CellSlopes {
     normal: VectorRange,
     /// The changes of the cross product along u and along v.
     turns: [f64; 2],
+    /// σuu, σuv and σvv in the middle, times the products of half the sides.
+    bends: [DVec3; 3],
 }
 
 impl CellSlopes {
     /// With σ, σu and σv on the cell. `None` where one of them may be undefined or endless.
-    pub(super) fn new(frame: &[Affine; 9]) -> Option<Self> {
+    pub(super) fn new(sides: [[f64; 2]; 2], frame: &[Affine; 9]) -> Option<Self> {
         let is_sound = |side: &Interval| {
             !side.is_partial() && side.lower().is_finite() && side.upper().is_finite()
         };
@@ -107,14 +109,15 @@ impl CellSlopes {
             DVec3::from_array([0, 1, 2].map(|k| of(&frame[first + k])))
         };
         let [u, v] = [3, 6].map(|first| vector(first, &Affine::middle));
-        let turn = |k: usize| {
-            let [du, dv] = [3, 6].map(|first| vector(first, &|it| it.slopes()[k]));
-            (du.cross(v) + u.cross(dv)).length()
-        };
+        let changes = [0, 1].map(|k| [3, 6].map(|first| vector(first, &|it| it.slopes()[k])));
+        let turns = changes.map(|[du, dv]| (du.cross(v) + u.cross(dv)).length());
+        let half = sides.map(|[a, b]| 0.5 * (b - a));
+        let [[uu, _], [uv, vv]] = changes;
         normal.iter().all(is_sound).then(|| Self {
             along: [VectorRange::new(su), VectorRange::new(sv)],
             normal: VectorRange::new(&normal),
-            turns: [turn(0), turn(1)],
+            turns,
+            bends: [half[0] * uu, half[0] * uv, half[1] * vv],
         })
     }
 
@@ -123,6 +126,13 @@ impl CellSlopes {
     pub(super) fn meets_once_at_most(&self, ray: &SheetRay) -> bool {
         let [determinant, unsure] = self.normal.dot(ray.direction, ray.sizes);
         determinant.abs() > unsure
+    }
+
+    /// The way from the parallelogram to the surface at these shares of the half sides, but for terms of the third order.
+    pub(super) fn bend(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let [uu, uv, vv] = self.bends;
+        // The parallelogram lies in the middle of the places between the least and the greatest of x² and y².
+        (0.5 * x * x - 0.25) * uu + x * y * uv + (0.5 * y * y - 0.25) * vv
     }
 
     /// The side along which the surface turns more.
