@@ -352,7 +352,7 @@ fn meshes_are_written_by_the_extension_or_the_format() {
 fn a_mesh_that_cannot_be_made_is_told_and_leaves_no_file() {
     let folder = folder(&[("a.gtr", "curve c(t) = (t,0,0), t : [0,1];")]);
     for (arguments, status, words) in [
-        (&["-o", "a.dxf"][..], 2, "which format"),
+        (&["-o", "a.dxf"][..], 2, "does not determine a format"),
         (&["-o", "-"], 2, "--format"),
         (
             &["-o", "a.obj", "--object", "d"],

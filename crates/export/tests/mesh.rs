@@ -716,7 +716,7 @@ fn a_count_that_is_too_large_is_told() {
         (
             most,
             vec![
-                "`b` has 512 cells along its longest side, the maximum: its counts request 4000"
+                "`b` is meshed with 512 cells along its longest side, the maximum: its counts request 4000"
                     .to_owned()
             ]
         )
@@ -955,10 +955,10 @@ fn what_is_left_out_of_a_mesh_is_told() {
         let found = notes.filter(|note| note.starts_with(start)).count();
         assert_eq!(found, 1, "{start}: {:?}", model.notes);
     };
-    told("`s` is left out: files of meshes have single precision");
-    told("8 of the 11 places of `c` are left out: ");
-    told("`big` is left out: files of meshes");
-    told("`p` is left out: files of meshes");
+    told("`s` is left out: mesh files have single precision");
+    told("8 of the 11 points of `c` are left out: ");
+    told("`big` is left out: mesh files");
+    told("`p` is left out: mesh files");
     told("`line` is left out: it has no area");
     assert_eq!(model.notes.len(), 5, "{:?}", model.notes);
 }

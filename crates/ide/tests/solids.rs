@@ -256,7 +256,7 @@ fn hover_tells_what_a_solid_is() {
         assert!(mirror.contains(part), "{part} in {mirror}");
     }
     let lamp = told(&at("lamp"));
-    assert!(lamp.contains("to all sides from (2, -2, 4)"), "{lamp}");
+    assert!(lamp.contains("in all directions from (2, -2, 4)"), "{lamp}");
     let eye = told(&at("eye"));
     assert!(eye.contains("from (0, -4, 1)"), "{eye}");
     let scale = told(&at("scale"));

@@ -372,6 +372,6 @@ mod tests {
             panic!("{all:?}")
         };
         assert_eq!(*excerpt, format!("{}…", "é".repeat(80)));
-        assert!(error.to_string().contains("no message"));
+        assert!(error.to_string().contains("not a message"));
     }
 }

@@ -89,7 +89,7 @@ impl Affine {
         if other.error < error { other } else { known }
     }
 
-    /// What is known of values from their interval alone.
+    /// The form of values of which only the interval is known.
     fn within(value: Interval) -> Self {
         let middle = 0.5 * value.lower + 0.5 * value.upper;
         let error = (value.upper - middle).max(middle - value.lower) * (1.0 + ROUNDING);

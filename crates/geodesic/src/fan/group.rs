@@ -66,7 +66,7 @@ impl Work for StepWork<'_, '_> {
     }
 }
 
-/// What the lanes make of a trial step.
+/// The lanes' judgement of a trial step.
 struct Verdict {
     /// The next step over this one, infinite for lanes that have no part in it.
     factors: [f64; LANES],

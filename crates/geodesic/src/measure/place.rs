@@ -70,10 +70,10 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let uv = Uv([at[0].clamp(u0, u1), at[1].clamp(v0, v1)]);
     let jet = surface.jet(uv);
     let [mut e, mut g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
-    if !jet.du.iter().chain(&jet.dv).all(|x| x.is_finite()) {
+    let apex = apex_at(surface, uv);
+    if apex.is_none() && !jet.du.iter().chain(&jet.dv).all(|x| x.is_finite()) {
         return Err(MeasureError::Degenerate { at: uv.0 });
     }
-    let apex = apex_at(surface, uv);
     if apex.is_none() && is_on_crease(surface, uv) {
         return Err(MeasureError::Crease { at: uv.0 });
     }

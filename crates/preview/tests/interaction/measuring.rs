@@ -418,7 +418,7 @@ fn only_surfaces_are_measured() {
     open(&mut hand);
     let at = hand.space().center();
     hand.click_at(at);
-    hand.until("a sentence", |hand| hand.shows("`p` is no surface"));
+    hand.until("a sentence", |hand| hand.shows("`p` is not a surface"));
 }
 
 const MARKED: &str = "surface s(u, v) = (u, v, 0), u : [0, 2], v : [0, 1];

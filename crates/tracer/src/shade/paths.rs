@@ -41,7 +41,7 @@ pub(super) struct Medium {
     pub(super) color: DVec3,
 }
 
-/// What rays that go on from a face leave: its surface, and what lies flush with it.
+/// The surfaces that rays leave at a face: its own, and those that are flush with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Start {
     /// The surface of a solid.
