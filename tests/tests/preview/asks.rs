@@ -176,6 +176,6 @@ async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
     window.say(write("eye", json!([0, 0, 0]))).await;
     message(&mut editor, "not zero").await;
     window.say(write("pi", json!([0, 1, 0]))).await;
-    message(&mut editor, "`pi` is not free").await;
+    message(&mut editor, "`pi` is not available").await;
     assert_eq!(editor.quit().await, 0);
 }
