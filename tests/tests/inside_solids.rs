@@ -224,7 +224,8 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
         run.expect_status(2);
         run.stderr
     };
-    let two_balls = "solid two(x,y,z) = min((x-20)^2+(y-7)^2+(z-3)^2, (x+20)^2+(y+7)^2+(z+3)^2) - 0.01;";
+    let two_balls =
+        "solid two(x,y,z) = min((x-20)^2+(y-7)^2+(z-3)^2, (x+20)^2+(y+7)^2+(z+3)^2) - 0.01;";
     let beside = refused(two_balls, &[]);
     assert!(beside.contains("needs a position"), "{beside}");
     let empty = geotrace(["render", "-", "-o", "never.png", "--view", "geodesic"])

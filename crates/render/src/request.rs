@@ -16,7 +16,6 @@ use crate::bounds::ObjectCloud;
 use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
-use crate::stated_colours::{self, StatedColours};
 use crate::style;
 pub use crate::style::Theme;
 use crate::texture::Texture;
@@ -259,13 +258,6 @@ impl PictureRequest {
             self.textures.extend(texture(id).map(|it| (id, it)));
         }
         self
-    }
-
-    /// Returns the request with the colours that surfaces state from place to place as images, and sentences about what images
-    /// cannot show of them.
-    pub fn with_stated_colours(&self) -> (Cow<'_, Self>, Vec<String>) {
-        let notes = stated_colours::notes(self);
-        (StatedColours::default().textured(self), notes)
     }
 
     /// Returns the request with the scene that the values of its params make, where they change more than numbers. Objects are

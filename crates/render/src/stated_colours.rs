@@ -30,6 +30,14 @@ pub(crate) struct StatedColours {
     known: Vec<(Content, u32, Shared<Texture>)>,
 }
 
+impl PictureRequest {
+    /// Returns the request with the colours that surfaces specify and that vary from point to point as images, and notes about
+    /// what images cannot show of them.
+    pub fn with_stated_colours(&self) -> (Cow<'_, Self>, Vec<String>) {
+        (StatedColours::default().textured(self), notes(self))
+    }
+}
+
 impl StatedColours {
     /// Returns the request with textures for the surfaces that specify a varying colour and no image. They show the first
     /// instance.

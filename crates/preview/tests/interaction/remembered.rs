@@ -160,7 +160,11 @@ fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
         known["layouts"]["alone"] = serde_json::from_str(layout).expect("JSON");
         std::fs::write(&beside, known.to_string()).expect("written");
         let hand = Hand::opened(path, folder);
-        assert!(hand.shows("is invalid and is not used"), "{layout}: {:?}", hand.names());
+        assert!(
+            hand.shows("is invalid and is not used"),
+            "{layout}: {:?}",
+            hand.names()
+        );
         assert!(hand.window().model().view.look("p").hidden);
         assert!(hand.shows("3D view of") && hand.shows("Preferences"));
     }
