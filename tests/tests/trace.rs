@@ -550,7 +550,7 @@ fn a_line_on_which_a_parameter_stands_still_is_named() {
     let run = geotrace(arguments.split(' ')).input(program).run();
     run.expect_status(0)
         .expect_text("σu is 0 on the line u ≈ 0;")
-        .expect_text("another parameter than u leads across");
+        .expect_text("another parametrisation leads across");
 }
 
 #[test]
