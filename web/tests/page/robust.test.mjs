@@ -89,7 +89,7 @@ test("notices are heard and closed, also where a dialog is open", async () => {
     assert.equal(await page.locator("[role=status].notices").count(), 1);
     await page.getByRole("button", { name: "Help" }).click();
     await page.evaluate(() => (location.hash = "#hello"));
-    const notice = page.locator(".toast", { hasText: "does not hold" });
+    const notice = page.locator(".toast", { hasText: "does not contain" });
     await notice.getByRole("button", { name: "Close" }).click({ timeout: 5000 });
     await notice.waitFor({ state: "detached" });
     await page.evaluate(() => (location.hash = "#again"));
