@@ -111,80 +111,39 @@ impl Tape {
     }
 }
 
-impl Range for Interval {
-    fn constant(x: f64) -> Self {
-        Self::point(x)
-    }
+/// Implements [`Range`] by the type's own methods, of which only the constructor of a constant has several names.
+macro_rules! ranges {
+    ($($range:ty, $constant:ident;)+) => {$(
+        impl Range for $range {
+            fn constant(x: f64) -> Self {
+                Self::$constant(x)
+            }
 
-    fn unary(op: Unary, a: Self) -> Self {
-        Self::unary(op, a)
-    }
+            fn unary(op: Unary, a: Self) -> Self {
+                Self::unary(op, a)
+            }
 
-    fn waves(self) -> [Self; 2] {
-        self.waves()
-    }
+            fn waves(self) -> [Self; 2] {
+                self.waves()
+            }
 
-    fn binary(op: Binary, a: Self, b: Self) -> Self {
-        Self::binary(op, a, b)
-    }
+            fn binary(op: Binary, a: Self, b: Self) -> Self {
+                Self::binary(op, a, b)
+            }
 
-    fn square(self) -> Self {
-        self.square()
-    }
+            fn square(self) -> Self {
+                self.square()
+            }
 
-    fn integer_power(self, n: i32) -> Self {
-        self.integer_power(n)
-    }
+            fn integer_power(self, n: i32) -> Self {
+                self.integer_power(n)
+            }
+        }
+    )+};
 }
 
-impl Range for Slope {
-    fn constant(x: f64) -> Self {
-        Self::constant(x)
-    }
-
-    fn unary(op: Unary, a: Self) -> Self {
-        Self::unary(op, a)
-    }
-
-    fn waves(self) -> [Self; 2] {
-        self.waves()
-    }
-
-    fn binary(op: Binary, a: Self, b: Self) -> Self {
-        Self::binary(op, a, b)
-    }
-
-    fn square(self) -> Self {
-        self.square()
-    }
-
-    fn integer_power(self, n: i32) -> Self {
-        self.integer_power(n)
-    }
-}
-
-impl Range for Affine {
-    fn constant(x: f64) -> Self {
-        Self::constant(x)
-    }
-
-    fn unary(op: Unary, a: Self) -> Self {
-        Self::unary(op, a)
-    }
-
-    fn waves(self) -> [Self; 2] {
-        self.waves()
-    }
-
-    fn binary(op: Binary, a: Self, b: Self) -> Self {
-        Self::binary(op, a, b)
-    }
-
-    fn square(self) -> Self {
-        self.square()
-    }
-
-    fn integer_power(self, n: i32) -> Self {
-        self.integer_power(n)
-    }
+ranges! {
+    Interval, point;
+    Slope, constant;
+    Affine, constant;
 }

@@ -109,8 +109,7 @@ fn apex_at(surface: &dyn Surface, uv: Uv) -> Option<(usize, Apex)> {
         .find_map(|[axis, end]| Some((axis, surface.apex(axis, end)?)))
 }
 
-/// The place beside another one, by a share of the domain along an axis, and by a few units in the last place at least; `None`
-/// outside the domain.
+/// Returns the point at a distance along an axis, a fraction of the domain and a few ulp at least; `None` outside the domain.
 fn beside(surface: &dyn Surface, uv: Uv, axis: usize, share: f64) -> Option<Uv> {
     let domain = surface.domain();
     let [low, high] = domain[axis];
