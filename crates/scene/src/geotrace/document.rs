@@ -20,9 +20,10 @@
 mod checker;
 mod last_good;
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::OnceLock;
 
+use rustc_hash::FxHashMap;
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::{Change, ChunkId, EditError};
 use syntax::geotrace::document::{ParseEvent, Snapshot};
@@ -45,11 +46,11 @@ use last_good::{LastGood, Shown};
 pub struct Document {
     text: syntax::geotrace::document::Document,
     checker: Checker,
-    checked: HashMap<ChunkId, CheckedChunk>,
+    checked: FxHashMap<ChunkId, CheckedChunk>,
     /// The chunks with diagnostics in addition to the parser's.
     found: HashSet<ChunkId>,
     /// The chunks to be checked again when the intervals of a param or a grid change.
-    watchers: HashMap<SymbolId, BTreeSet<ChunkId>>,
+    watchers: FxHashMap<SymbolId, BTreeSet<ChunkId>>,
     watchers_of_all: BTreeSet<ChunkId>,
     totals: Totals,
     counters: Counters,
@@ -145,9 +146,9 @@ impl Document {
         let mut document = Self {
             text: syntax::geotrace::document::Document::new(text, &builtin::vocabulary())?,
             checker: Checker::new(),
-            checked: HashMap::new(),
+            checked: FxHashMap::default(),
             found: HashSet::new(),
-            watchers: HashMap::new(),
+            watchers: FxHashMap::default(),
             watchers_of_all: BTreeSet::new(),
             totals: Totals::default(),
             counters: Counters::default(),

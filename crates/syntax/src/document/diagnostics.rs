@@ -174,9 +174,8 @@ impl<G: Grammar> Document<G> {
         let home = defined.home?;
         let declared_at = (self.sequence.rank(home), defined.symbol.name_span()?.start);
         let name = self.names.text(name);
-        let words = self.unresolved.beginning_with(name);
-        let splitting = words.filter(|(_, is_split)| *is_split);
-        let ranked = splitting.map(|(chunk, _)| (self.sequence.rank(chunk), chunk));
+        let splitting = self.unresolved.split_beginning_with(name);
+        let ranked = splitting.map(|chunk| (self.sequence.rank(chunk), chunk));
         let (rank, chunk) = ranked.min()?;
         let read = self.chunk(chunk);
         let splits = read.lookups.iter().filter_map(|lookup| match *lookup {

@@ -381,7 +381,7 @@ impl<G: Grammar> Document<G> {
             let users = self.names.users(name);
             let words = self.unresolved.beginning_with(self.names.text(name));
             let words = words.filter(|_| is_new);
-            for chunk in users.chain(words.map(|(chunk, _)| chunk)) {
+            for chunk in users.chain(words) {
                 let place = self.sequence.rank(chunk);
                 if place >= rank {
                     pass.affected.insert(place, chunk);

@@ -23,52 +23,83 @@ pub(super) enum Lookup {
     },
 }
 
-/// An index from words that are not one whole name to the chunks that looked them up, in lexicographic order, so that all
-/// words that begin with a name are adjacent.
+/// An index from words that are not one whole name to the chunks that looked them up.
 #[derive(Clone, Debug, Default)]
-pub(super) struct UnresolvedWords(BTreeMap<Box<str>, Vec<Group>>);
+pub(super) struct UnresolvedWords {
+    /// The words whose beginning became a token. There are few of them, and every name is compared with them.
+    split: Words,
+    others: Words,
+}
+
+/// Words in lexicographic order, so that all words that begin with a name are adjacent.
+#[derive(Clone, Debug, Default)]
+struct Words(BTreeMap<Box<str>, Vec<Group>>);
 
 /// The chunks that looked up a word with the same result.
 #[derive(Clone, Debug)]
 struct Group {
     length: u32,
-    is_split: bool,
     chunks: ChunkSet,
 }
 
 impl UnresolvedWords {
     /// Adds a chunk that looked up a word, whose first `length` bytes became a token.
     pub(super) fn insert(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
-        if !self.0.contains_key(rest) {
-            self.0.insert(rest.into(), Vec::new());
-        }
-        let Some(groups) = self.0.get_mut(rest) else {
-            return;
-        };
-        let same = |group: &&mut Group| group.length == length && group.is_split == is_split;
-        match groups.iter_mut().find(same) {
-            Some(group) => group.chunks.insert(chunk),
-            None => {
-                let mut chunks = ChunkSet::default();
-                chunks.insert(chunk);
-                // Most words have one group; a vector that grows by itself would reserve space for four.
-                groups.reserve_exact(1);
-                groups.push(Group {
-                    length,
-                    is_split,
-                    chunks,
-                });
-            }
-        }
+        self.words_mut(is_split).insert(chunk, rest, length);
     }
 
     /// Removes an entry added by [`insert`](Self::insert).
     pub(super) fn remove(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
+        self.words_mut(is_split).remove(chunk, rest, length);
+    }
+
+    fn words_mut(&mut self, is_split: bool) -> &mut Words {
+        match is_split {
+            true => &mut self.split,
+            false => &mut self.others,
+        }
+    }
+
+    /// Returns the chunks that a definition of `name` above them would change.
+    pub(super) fn beginning_with<'w>(
+        &'w self,
+        name: &'w str,
+    ) -> impl Iterator<Item = ChunkId> + 'w {
+        let split = self.split_beginning_with(name);
+        split.chain(self.others.beginning_with(name))
+    }
+
+    /// Returns those of [`beginning_with`](Self::beginning_with) in which a token was split off.
+    pub(super) fn split_beginning_with<'w>(
+        &'w self,
+        name: &'w str,
+    ) -> impl Iterator<Item = ChunkId> + 'w {
+        self.split.beginning_with(name)
+    }
+}
+
+impl Words {
+    fn insert(&mut self, chunk: ChunkId, rest: &str, length: u32) {
+        let Some(groups) = self.0.get_mut(rest) else {
+            // Most words have one group; a vector that grows by itself would reserve space for four.
+            self.0.insert(rest.into(), vec![Group::new(chunk, length)]);
+            return;
+        };
+        match groups.iter_mut().find(|group| group.length == length) {
+            Some(group) => group.chunks.insert(chunk),
+            None => {
+                groups.reserve_exact(1);
+                groups.push(Group::new(chunk, length));
+            }
+        }
+    }
+
+    fn remove(&mut self, chunk: ChunkId, rest: &str, length: u32) {
         let Some(groups) = self.0.get_mut(rest) else {
             return;
         };
         for group in groups.iter_mut() {
-            if group.length == length && group.is_split == is_split {
+            if group.length == length {
                 group.chunks.remove(chunk);
             }
         }
@@ -78,21 +109,21 @@ impl UnresolvedWords {
         }
     }
 
-    /// Returns the chunks that a definition of `name` above them would change, each with a flag that is true if a token
-    /// was split off.
-    pub(super) fn beginning_with<'w>(
-        &'w self,
-        name: &'w str,
-    ) -> impl Iterator<Item = (ChunkId, bool)> + 'w {
+    fn beginning_with<'w>(&'w self, name: &'w str) -> impl Iterator<Item = ChunkId> + 'w {
         let from = (Bound::Included(name), Bound::Unbounded);
         self.0
             .range::<str, _>(from)
             .take_while(move |(rest, _)| rest.starts_with(name))
             .flat_map(|(_, groups)| groups)
             .filter(move |group| (group.length as usize) < name.len())
-            .flat_map(|group| {
-                let split = group.is_split;
-                group.chunks.iter().map(move |chunk| (chunk, split))
-            })
+            .flat_map(|group| group.chunks.iter())
+    }
+}
+
+impl Group {
+    fn new(chunk: ChunkId, length: u32) -> Self {
+        let mut chunks = ChunkSet::default();
+        chunks.insert(chunk);
+        Self { length, chunks }
     }
 }

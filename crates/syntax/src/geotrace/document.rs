@@ -140,7 +140,7 @@ impl Grammar for Geotrace {
         is_first: bool,
         scope: ScopeView<'d, Self>,
     ) -> (ScopeView<'d, Self>, Reading<Self>) {
-        let mut recorder = Recorder::default();
+        let mut recorder = Recorder::with_capacity(text.len() / BYTES_PER_TOKEN);
         let (scope, deferred) = parse_chunk(text, is_first, scope, &mut recorder);
         let analysis = ChunkAnalysis {
             tokens: Records::from_tokens(&recorder.tokens, text),
@@ -304,14 +304,29 @@ impl References for document::Surroundings<'_, Geotrace> {
     }
 }
 
+/// A low estimate of the length of a token with its spaces, in bytes, so that few lists of tokens have to grow.
+const BYTES_PER_TOKEN: usize = 2;
+
 /// Records the calls of the hooks while a chunk is read.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Recorder {
     tokens: Vec<Token>,
     events: EventRecorder,
     diagnostics: Vec<Diagnostic>,
     /// The declared symbols, each with the offset from which it is known.
     known_from: Vec<(SymbolId, u32)>,
+}
+
+impl Recorder {
+    /// Creates a recorder with room for this many tokens, and as many events.
+    fn with_capacity(tokens: usize) -> Self {
+        Self {
+            tokens: Vec::with_capacity(tokens),
+            events: EventRecorder::with_capacity(tokens),
+            diagnostics: Vec::new(),
+            known_from: Vec::new(),
+        }
+    }
 }
 
 impl Actions for Recorder {

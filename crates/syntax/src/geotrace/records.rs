@@ -69,12 +69,12 @@ impl Default for Records {
 
 impl Records {
     /// Packs entries whose spans end at or before `length`.
-    fn new(entries: &[Entry], length: usize) -> Self {
-        let fits = |entry: &Entry| entry.number >> 24 == 0;
-        if length > usize::from(u16::MAX) || !entries.iter().all(fits) {
-            return Self::Wide(entries.into());
+    fn new(entries: impl Iterator<Item = Entry> + Clone, length: usize) -> Self {
+        let fits = |entry: Entry| entry.number >> 24 == 0;
+        if length > usize::from(u16::MAX) || !entries.clone().all(fits) {
+            return Self::Wide(entries.collect());
         }
-        let narrow = entries.iter().map(|entry| {
+        let narrow = entries.map(|entry| {
             let [_, upper, lower @ ..] = entry.number.to_be_bytes();
             [
                 entry.span.start as u16,
@@ -93,8 +93,7 @@ impl Records {
             let span = token.span;
             Entry { span, tag, number }
         });
-        let entries: Vec<Entry> = entries.collect();
-        Self::new(&entries, text.len())
+        Self::new(entries, text.len())
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -160,10 +159,15 @@ impl<'d> Tokens<'d> {
 }
 
 /// Collects the events of reading a chunk.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct EventRecorder(Vec<Entry>);
 
 impl EventRecorder {
+    /// Creates a recorder with room for this many events.
+    pub(crate) fn with_capacity(events: usize) -> Self {
+        Self(Vec::with_capacity(events))
+    }
+
     fn push(&mut self, tag: u8, span: Span, number: u32) {
         self.0.push(Entry { span, tag, number });
     }
@@ -217,7 +221,7 @@ impl EventRecorder {
 
     /// Packs the events of a text.
     pub(crate) fn finish(self, text: &str) -> Records {
-        Records::new(&self.0, text.len())
+        Records::new(self.0.iter().copied(), text.len())
     }
 }
 
@@ -438,7 +442,7 @@ mod tests {
                 })
             });
             let intervals = intervals.concat();
-            let mut recorder = EventRecorder::default();
+            let mut recorder = EventRecorder::with_capacity(0);
             let parameter = |k: u32| Parameter {
                 name: span(k).text(&text).to_owned(),
                 span: span(k),

@@ -11,8 +11,9 @@
 //! Positions are offsets into a space in which each checked chunk gets a range of its own that is never reused.
 //! [`Checker::translate`] converts them to offsets of the text.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
+use rustc_hash::FxHashMap;
 use syntax::diagnostic::{Code, Diagnostic};
 use syntax::document::ChunkId;
 use syntax::geotrace::actions::Declaration;
@@ -37,7 +38,7 @@ pub(super) struct Checker {
     /// The next symbol of the checker.
     next_symbol: u32,
     /// The symbols of the document.
-    known: HashMap<SymbolId, Known>,
+    known: FxHashMap<SymbolId, Known>,
     /// The document's symbols of the params and the grids of the checker's scene.
     params: Vec<SymbolId>,
     grids: Vec<SymbolId>,
@@ -146,7 +147,7 @@ impl Checker {
             builtins,
             next_symbol: builtins,
             declarations,
-            known: HashMap::new(),
+            known: FxHashMap::default(),
             params: Vec::new(),
             grids: Vec::new(),
             sources: Vec::new(),
