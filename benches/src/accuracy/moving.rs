@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use geodesic::trace::Options;
 use render::geodesic_view::Paint;
-use render::texture::Texture;
+use render::texture::{Proportions, Texture};
 use testing::examples;
 
 use super::{milliseconds, pool, view};
@@ -28,7 +28,7 @@ pub(super) fn run() {
         "  {:14} {:>8} {:>8} {:>8} {:>8}",
         "scene", "ends", "colours", "frame", "greatest"
     );
-    let texture = Texture::orientation();
+    let texture = Texture::orientation(Proportions::Even, false);
     let pool = pool(CORES);
     let mut missed = Vec::new();
     for example in examples::all() {

@@ -11,7 +11,7 @@ use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
-use render::texture::Texture;
+use render::texture::{Proportions, Texture};
 use scene::{ObjectId, ParamValues};
 use scenes::{Wanted, scene};
 
@@ -365,7 +365,7 @@ fn gltf_is_valid_and_holds_shape_and_image() {
     let image = image::load_from_memory(bytes)
         .expect("an image")
         .into_rgba8();
-    let texture = Texture::orientation_from_behind();
+    let texture = Texture::orientation(Proportions::Even, true);
     assert_eq!(image.as_raw(), texture.levels()[0].texels.as_flattened());
     // What is up in the scene is up there.
     let top = binary
@@ -846,8 +846,8 @@ fn a_closed_surface_has_the_image_that_is_read_from_outside() {
     let inwards = image(SPHERE);
     let outwards =
         image("surface s(u,v) = (cosv sinu, sinv sinu, cosu), u : [0,pi,N], v : [0,2pi,N];");
-    assert!(inwards == Texture::orientation_from_behind().levels()[0].texels);
-    assert!(outwards == Texture::orientation().levels()[0].texels);
+    assert!(inwards == Texture::orientation(Proportions::Even, true).levels()[0].texels);
+    assert!(outwards == Texture::orientation(Proportions::Even, false).levels()[0].texels);
 }
 
 #[test]

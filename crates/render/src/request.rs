@@ -18,7 +18,7 @@ use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
 use crate::style;
 pub use crate::style::Theme;
-use crate::texture::Texture;
+use crate::texture::{Proportions, Texture};
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
 
@@ -173,8 +173,12 @@ impl PictureRequest {
             Some(texture) => texture.arc().clone(),
             // Letters would hide a specified colour.
             None if self.states_colour(object) => Texture::plain(),
-            None if flipped != from_behind => Texture::orientation_from_behind(),
-            None => Texture::orientation(),
+            None => {
+                let object = self.scene.get(object);
+                let proportions = object.map(|object| Proportions::of(&self.scene, object));
+                let proportions = proportions.unwrap_or(Proportions::Even);
+                Texture::orientation(proportions, flipped != from_behind)
+            }
         }
     }
 

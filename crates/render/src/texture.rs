@@ -8,11 +8,13 @@ mod curvature;
 mod filter;
 mod named;
 mod orientation;
+mod proportions;
 
 pub use budget::{MAX_TOTAL_TEXELS, TexelBudget};
 pub use curvature::CurvatureScale;
 pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
+pub use proportions::Proportions;
 
 use std::fmt;
 use std::io::{BufRead, Cursor, Seek};
@@ -260,22 +262,19 @@ impl Texture {
         self.file.as_deref()
     }
 
-    /// Returns the texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max); the hue
-    /// follows u and the lightness v. The names read correctly if u increases to the right and v upwards, as in a geodesic
-    /// view, and in space from the side that σu×σv points to.
-    pub fn orientation() -> Arc<Self> {
-        static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
-        ORIENTATION
-            .get_or_init(|| Arc::new(Self::from_image(orientation::image(false))))
-            .clone()
-    }
-
-    /// Returns the same with flipped names: they read correctly from the side that σu×σv points away from.
-    pub fn orientation_from_behind() -> Arc<Self> {
-        static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
-        ORIENTATION
-            .get_or_init(|| Arc::new(Self::from_image(orientation::image(true))))
-            .clone()
+    /// Returns the texture of surfaces without an image: named cells, A1 at u min and v min; the hue follows u and the
+    /// lightness v. The names read correctly if u increases to the right and v upwards, as in a geodesic view, and in space
+    /// from the side that σu×σv points to; `from_behind`, from the other side. An even surface has 8 × 8 cells, to H8.
+    pub fn orientation(proportions: Proportions, from_behind: bool) -> Arc<Self> {
+        static ORIENTATIONS: [OnceLock<Arc<Texture>>; 6] = [const { OnceLock::new() }; 6];
+        let index = 2 * proportions as usize + usize::from(from_behind);
+        let make = || {
+            Arc::new(Self::from_image(orientation::image(
+                proportions,
+                from_behind,
+            )))
+        };
+        ORIENTATIONS[index].get_or_init(make).clone()
     }
 
     /// Returns the image upside down.

@@ -11,7 +11,7 @@ use render::layers::Stroke;
 use render::point::WorldPoint;
 use render::request::Overlays;
 use render::shared::Shared;
-use render::texture::Texture;
+use render::texture::{Proportions, Texture};
 use render::view::geodesic::GeodesicOptions;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
 use render::{Backend, BackendUsed, PictureRequest, RenderError, Renderer, Views, style};
@@ -284,7 +284,10 @@ fn letters_are_read_from_the_outside_of_closed_surfaces() {
         software(&request)
     };
     let latitude = "surface s(u, v) = (cos(v) cos(u), cos(v) sin(u), sin(v)), u : [-pi, pi], v : [-pi/2, pi/2];";
-    let [front, behind] = [Texture::orientation(), Texture::orientation_from_behind()];
+    let [front, behind] = [
+        Texture::orientation(Proportions::Even, false),
+        Texture::orientation(Proportions::Even, true),
+    ];
     assert_ne!(front, behind);
     // σu×σv points into the one sphere, and out of the other.
     assert_eq!(

@@ -8,7 +8,7 @@ use geodesic::trace::Status;
 use image::{Rgba, RgbaImage};
 use render::geodesic_view::{Paint, hatching, resolve};
 use render::style;
-use render::texture::Texture;
+use render::texture::{Proportions, Texture};
 
 const UNIT: [[f64; 2]; 2] = [[0.0, 1.0], [0.0, 1.0]];
 const WRAPPED: Sides = Sides {
@@ -92,7 +92,7 @@ fn the_domain_is_one_width_of_the_image_and_colours_multiply() {
 
 #[test]
 fn a_seam_of_the_chart_is_no_edge_of_the_picture() {
-    let texture = Texture::orientation();
+    let texture = Texture::orientation(Proportions::Even, false);
     let shifted = |by: f32| {
         let ends = map(64, |x, y| {
             let u = (x as f32 + 0.5) / 640.0 + by;

@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use image::{Rgba, RgbaImage};
+use render::PictureRequest;
+use render::request::part::SpaceOptions;
 use render::style;
-use render::texture::{TexelBudget, Texture, TextureError};
+use render::texture::{Proportions, TexelBudget, Texture, TextureError};
+use scene::{ObjectId, ParamValues};
 
 #[test]
 fn a_fine_checkerboard_keeps_its_brightness_in_every_level() {
@@ -140,7 +143,7 @@ fn what_is_transparent_shows_white() {
 
 #[test]
 fn the_default_texture_tells_left_from_right_and_up_from_down() {
-    let texture = Texture::orientation();
+    let texture = Texture::orientation(Proportions::Even, false);
     let level = &texture.levels()[0];
     let [width, height] = level.size.map(|side| side as usize);
     let at = |x: usize, y: usize| level.texels[y * width + x];
@@ -187,4 +190,67 @@ fn files_that_give_no_image_are_refused_by_name() {
         told.ends_with("is not a PNG or JPEG image that can be read: it is a GIF file"),
         "{told}"
     );
+}
+
+#[test]
+fn a_long_surface_has_more_cells_along_its_length() {
+    let cells = |text: &str| {
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let wanted = SpaceOptions::default();
+        let request = PictureRequest::new(scene, params, wanted, [8, 8]);
+        let size = request.texture(ObjectId::new(0)).levels()[0].size;
+        size.map(|side| side / 128)
+    };
+    let tube = "(cos(v)/2, sin(v)/2, u)";
+    for (text, expected) in [
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];",
+            [8, 8],
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 6], v : [0, 1];",
+            [8, 8],
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 6];",
+            [8, 8],
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 8], v : [0, 1];",
+            [24, 3],
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 8];",
+            [3, 24],
+        ),
+        (
+            &format!("surface s(u, v) = {tube}, u : [0, 30], v : [0, 2pi];"),
+            [24, 3],
+        ),
+        (
+            "metric h(u, v) = (100, 0, 1), u : [0, 1], v : [0, 1];",
+            [24, 3],
+        ),
+        (
+            "metric h(u, v) = (1, 0, 1)/v^2, u : [0, 1], v : [1, 9];",
+            [3, 24],
+        ),
+        // The lines that shrink to a pole do not count.
+        (
+            "metric h(r, a) = 4(1, 0, r^2)/(1 - r^2)^2, r : [0, 0.995], a : [0, 2pi];",
+            [8, 8],
+        ),
+        // What a slider does not change.
+        (
+            "param a = 1 : [1, 9]; surface s(u, v) = (a u, v, 0), u : [0, 1], v : [0, 1];",
+            [8, 8],
+        ),
+        (
+            "surface s(u, v) = (sqrt(-1), v, 0), u : [0, 1], v : [0, 1];",
+            [8, 8],
+        ),
+    ] {
+        assert_eq!(cells(text), expected, "{text}");
+    }
 }

@@ -25,7 +25,7 @@ use crate::sample::{self, Painter};
 use crate::sample_store::SampleStore;
 use crate::solids::SolidPainter;
 use crate::style::Look;
-use crate::texture::Texture;
+use crate::texture::{Proportions, Texture};
 
 /// The bytes of sample buffers that are kept although the last picture has not used them.
 const ALLOWANCE: usize = 16 << 20;
@@ -247,7 +247,7 @@ impl GpuRenderer {
         let buffers = self.overlay.as_ref().map(|(_, buffers)| buffers.clone());
         for (object, buffer) in scene.overlay.iter().zip(buffers.iter().flatten()) {
             let look = object.look(request.scale);
-            let texture = |()| Texture::orientation();
+            let texture = |()| Texture::orientation(Proportions::Even, false);
             draws.push(self.with_factory(|painters, factory| {
                 painters.draw(factory, object.painter, view, buffer, &look, texture)
             })?);

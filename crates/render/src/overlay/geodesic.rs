@@ -261,7 +261,7 @@ mod tests {
     use super::*;
     use crate::geodesic_view::Paint;
     use crate::request::ViewOptions;
-    use crate::texture::Texture;
+    use crate::texture::{Proportions, Texture};
     use crate::viewpoint::GeodesicCamera;
 
     /// Overlays do not depend on the options of a view.
@@ -281,7 +281,7 @@ mod tests {
         let camera = GeodesicCamera::new(ObjectId::new(0));
         let placed = PlacedCamera::new(&scene, &params, &camera, size).expect("a camera");
         let request = PictureRequest::new(scene, params, AnyView, size);
-        let texture: Arc<Texture> = Texture::orientation();
+        let texture: Arc<Texture> = Texture::orientation(Proportions::Even, false);
         let paint = Paint {
             texture: &texture,
             colour: [1.0; 3],
