@@ -19,8 +19,8 @@ pub enum Proportions {
 }
 
 /// Lines are much longer than others if they are more than this many times as long: the names in the cells of an even
-/// surface can be read up to about this ratio, as on a Möbius strip that is 2π times as long as wide.
-const MUCH: f64 = 7.0;
+/// surface can be read up to about this ratio, as on a Möbius strip that is eight times as long as wide.
+const MUCH: f64 = 9.0;
 /// The number of cells along either side of an even surface, along the long side of another one and along its short side.
 const CELLS: u32 = 8;
 pub(super) const MOST_CELLS: u32 = 24;
