@@ -3,7 +3,8 @@
 //!
 //! Only this module turns a scene's solid into an [`ImplicitSurface`] for views and commands.
 
-use geodesic::implicit::ImplicitSurface;
+use geodesic::implicit::{ImplicitSurface, SpaceFrame};
+use geodesic::trace::Options;
 use glam::DVec3;
 use scene::{BoundGrid, ObjectId, ParamValues, Range, Sampling, Scene};
 use tracer::{BoundingBox, Crossing, Ray, SurfaceId};
@@ -75,7 +76,7 @@ impl SolidSurface {
         let size = bounds.map(|bounds| (bounds.upper - bounds.lower).max_element());
         let uniforms = params.first_instance(scene, object);
         let surface = ImplicitSurface::new(&graph, field, &uniforms, size).map_err(too_large)?;
-        let first = first_place(&rays, bounds);
+        let first = first_place(&rays, bounds, &surface);
         Ok(Self {
             surface,
             bounds,
@@ -95,8 +96,9 @@ impl SolidSurface {
     }
 
     /// Returns the point where the ray from the centre of the bounding box along x leaves the solid, or along another axis or a
-    /// slanted line if that one does not meet it; `None` if none does. If that face is much smaller than the largest one, such as a narrow cut,
-    /// returns a point of the largest face.
+    /// slanted line if that one does not meet it; `None` if none does. If that face is much smaller than the largest one, such
+    /// as a narrow cut, returns a point of the largest face. If geodesics from there end at once, as beside a double point,
+    /// returns a point from which they go far.
     pub fn first_place(&self) -> Option<[f64; 3]> {
         self.first
     }
@@ -119,8 +121,68 @@ const FACE_RAYS: u32 = 8;
 const NARROW: f64 = 0.5;
 /// Areas and distances are alike if one is at least this fraction of the other.
 const ALIKE: f64 = 1.0 - 1e-9;
+/// The number of directions in which geodesics are followed from a place, and their length as a fraction of the longest side
+/// of the solid's box.
+const DIRECTIONS: u32 = 8;
+const REACH: f64 = 0.5;
+/// The minimum mean length of geodesics from the initial place, as a fraction of that length.
+const LEAST_REACH: f64 = 0.05;
+/// The approximate number of places that are compared if the usual one is not good.
+const COMPARED: usize = 32;
+/// Such lengths are alike if one is at least this fraction of the other.
+const ALIKE_REACH: f64 = 0.99;
+/// The tolerance of those geodesics.
+const TOLERANCE: f64 = 1e-4;
 
-fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
+/// Returns the initial place on a solid.
+fn first_place(
+    rays: &RayScene,
+    bounds: Option<BoundingBox>,
+    surface: &ImplicitSurface,
+) -> Option<[f64; 3]> {
+    let usual = usual_place(rays, bounds);
+    let Some(bounds) = bounds else {
+        return usual;
+    };
+    let length = REACH * (bounds.upper - bounds.lower).max_element();
+    let reach = |place: &[f64; 3]| mean_reach(surface, *place, length) / length;
+    if usual.is_some_and(|place| reach(&place) >= LEAST_REACH) {
+        return usual;
+    }
+    let places: Vec<[f64; 3]> = axis_crossings(rays, &bounds)
+        .map(|(crossing, _)| crossing.position.to_array())
+        .collect();
+    let compared = places
+        .iter()
+        .step_by(places.len().div_ceil(COMPARED).max(1));
+    let reaches: Vec<(f64, [f64; 3])> = compared.map(|place| (reach(place), *place)).collect();
+    let most = reaches.iter().map(|(reach, _)| *reach).fold(0.0, f64::max);
+    // Choose the first of alike places: rounding must not decide.
+    let farthest = reaches
+        .into_iter()
+        .find(|(reach, _)| most >= LEAST_REACH && *reach >= ALIKE_REACH * most);
+    farthest.map(|(_, place)| place).or(usual)
+}
+
+/// Returns the mean length of geodesics from a place in some directions, each followed as far as `length`; 0 where none can
+/// begin.
+fn mean_reach(surface: &ImplicitSurface, place: [f64; 3], length: f64) -> f64 {
+    let Ok(frame) = SpaceFrame::new(surface, place, 0.0, 1.0) else {
+        return 0.0;
+    };
+    let options = Options {
+        tolerance: TOLERANCE,
+        ..Options::default()
+    };
+    let reach = |k: u32| {
+        let angle = f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS);
+        let trace = surface.trace(frame.at, frame.turned(angle).x, length, &options);
+        trace.map_or(0.0, |trace| trace.length)
+    };
+    (0..DIRECTIONS).map(reach).sum::<f64>() / f64::from(DIRECTIONS)
+}
+
+fn usual_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
     let middle = bounds.map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.lower + bounds.upper));
     let half = bounds.map_or(DVec3::ONE, |bounds| 0.5 * (bounds.upper - bounds.lower));
     let mut caster = rays.world().caster();
@@ -190,48 +252,54 @@ struct MeasuredFace {
 impl MeasuredFace {
     /// Returns the faces of a solid in a box, as rays along the axes meet them.
     fn all(rays: &RayScene, bounds: &BoundingBox) -> Vec<Self> {
-        let sides = bounds.upper - bounds.lower;
         let middle = 0.5 * (bounds.lower + bounds.upper);
-        let mut caster = rays.world().caster();
         let mut faces: Vec<Self> = Vec::new();
-        let share = |k: u32| (f64::from(k) + 0.5) / f64::from(FACE_RAYS);
-        for axis in 0..3 {
-            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-            let cell = sides[b] * sides[c] / f64::from(FACE_RAYS * FACE_RAYS);
-            for (i, j) in (0..FACE_RAYS).flat_map(|i| (0..FACE_RAYS).map(move |j| (i, j))) {
-                let mut origin = bounds.lower;
-                origin[axis] -= sides[axis];
-                origin[b] += share(i) * sides[b];
-                origin[c] += share(j) * sides[c];
-                let ray = Ray {
-                    origin,
-                    direction: DVec3::AXES[axis],
-                    leaving: None,
-                };
-                for crossing in caster.cast(&ray) {
-                    // Rays along each axis meet a part of a face as often as it is turned towards them: these fractions
-                    // of the three axes add up to 1.
-                    let area = cell * crossing.normal[axis].abs();
-                    let known = faces
-                        .iter_mut()
-                        .find(|face| face.surface == crossing.surface);
-                    let Some(face) = known else {
-                        faces.push(Self {
-                            surface: crossing.surface,
-                            area,
-                            nearest: *crossing,
-                        });
-                        continue;
-                    };
-                    face.area += area;
-                    let [new, old] =
-                        [crossing, &face.nearest].map(|it| it.position.distance(middle));
-                    if new < ALIKE * old {
-                        face.nearest = *crossing;
-                    }
-                }
+        for (crossing, area) in axis_crossings(rays, bounds) {
+            let known = faces
+                .iter_mut()
+                .find(|face| face.surface == crossing.surface);
+            let Some(face) = known else {
+                faces.push(Self {
+                    surface: crossing.surface,
+                    area,
+                    nearest: crossing,
+                });
+                continue;
+            };
+            face.area += area;
+            let [new, old] = [&crossing, &face.nearest].map(|it| it.position.distance(middle));
+            if new < ALIKE * old {
+                face.nearest = crossing;
             }
         }
         faces
     }
+}
+
+/// Returns the crossings of a solid in a box with rows of rays along the axes, each with the area of its part of the surface.
+fn axis_crossings(rays: &RayScene, bounds: &BoundingBox) -> impl Iterator<Item = (Crossing, f64)> {
+    let (lower, sides) = (bounds.lower, bounds.upper - bounds.lower);
+    let mut caster = rays.world().caster();
+    let share = |k: u32| (f64::from(k) + 0.5) / f64::from(FACE_RAYS);
+    let places = (0..FACE_RAYS).flat_map(|i| (0..FACE_RAYS).map(move |j| [i, j]));
+    let rays = (0..3).flat_map(move |axis| places.clone().map(move |place| (axis, place)));
+    rays.flat_map(move |(axis, [i, j])| {
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut origin = lower;
+        origin[axis] -= sides[axis];
+        origin[b] += share(i) * sides[b];
+        origin[c] += share(j) * sides[c];
+        let ray = Ray {
+            origin,
+            direction: DVec3::AXES[axis],
+            leaving: None,
+        };
+        // Rays along each axis meet a part of a face as often as it is turned towards them: these fractions of the three
+        // axes add up to 1.
+        let cell = sides[b] * sides[c] / f64::from(FACE_RAYS * FACE_RAYS);
+        let area = |it: &Crossing| cell * it.normal[axis].abs();
+        let crossings: Vec<(Crossing, f64)> =
+            caster.cast(&ray).iter().map(|it| (*it, area(it))).collect();
+        crossings
+    })
 }

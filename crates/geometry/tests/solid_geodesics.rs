@@ -147,6 +147,22 @@ fn a_camera_stands_on_the_largest_face_and_not_on_a_narrow_cut() {
 }
 
 #[test]
+fn a_camera_stands_where_geodesics_go_far_and_not_at_a_double_point() {
+    let text = std::fs::read_to_string("../../examples/sextic.gtr").expect("an example");
+    let scene = scene::geotrace::compile(&text).scene.expect("a scene");
+    let solid = solid(&scene, "sextic").expect("a solid");
+    let place = solid.first_place().expect("a place");
+    let reach = |direction: [f64; 3]| {
+        let options = Options::default();
+        let trace = solid.surface().trace(place, direction, 1.0, &options);
+        trace.map_or(0.0, |trace| trace.length)
+    };
+    let directions = [[1.0, 0.2, 0.3], [-0.3, 1.0, 0.2], [0.2, -0.3, 1.0]];
+    let both = directions.map(|way| reach(way) + reach(way.map(|x| -x)));
+    assert!(both.iter().sum::<f64>() > 1.0, "{place:?} {both:?}");
+}
+
+#[test]
 fn a_solid_that_a_param_flattens_has_no_surface() {
     let text = "param c : [0, 1]; solid ball(x, y, z) = x^2 + y^2 + z^2 - 1; solid s = ball | ball @ scale (1, 1, c);";
     let scene = scene::geotrace::compile(text).scene.expect("a scene");
