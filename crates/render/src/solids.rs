@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Both backends draw the same tiles: the software path begins with them, the GPU composes them by their depth. At rest,
-//! pixels at edges have a ray for each of their four samples.
+//! pixels at edges have a ray for each of their four samples. Other pixels have one depth, that of the sample in which the
+//! face is farthest, so that a surface that lies in a solid's face is seen and not the face: [`SolidPainter::depth_behind`].
 
 mod images;
 mod store;
@@ -42,6 +43,13 @@ const SAMPLES: [[f64; 2]; 4] = [
 const BUNDLE: usize = 8;
 /// Neighbours on one surface are at an edge if the vector between them leaves the tangent plane by this fraction.
 const BEND: f64 = 0.6;
+
+/// The fraction of a depth by which rounding may move a surface's triangles.
+const DEPTH_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
+/// The distance by which their corners may be moved in the picture, in pixels.
+const PLACE_ROUNDING: f64 = 1.0 / 128.0;
+/// The maximum fraction of its depth by which a face is moved away, so that one that is seen at a grazing angle stays.
+const MOST_BEHIND: f64 = 0.5;
 
 /// The solid that a sample sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -185,7 +193,9 @@ impl<'a> SolidPainter<'a> {
                 let index = j * TILE + i;
                 let corner = [(left + i) as f64, (top + j) as f64];
                 if let Some(hit) = &hits[at] {
-                    tile.pixels[index] = self.lit(hit, corner.map(|at| at + 0.5));
+                    let middle = corner.map(|at| at + 0.5);
+                    let offsets = SAMPLES.map(|sample| sample.map(|at| at - 0.5));
+                    tile.pixels[index] = self.lit(hit, middle, &offsets);
                     any = true;
                 }
                 let is_edge = self.is_smooth
@@ -202,7 +212,7 @@ impl<'a> SolidPainter<'a> {
             let splits = &mut tile.splits[known..];
             rays.cast(&places, |k, hit| {
                 if let Some(hit) = hit {
-                    splits[k / 4].1[k % 4] = self.lit(&hit, places[k]);
+                    splits[k / 4].1[k % 4] = self.lit(&hit, places[k], &[[0.0; 2]]);
                     any = true;
                 }
             });
@@ -217,8 +227,8 @@ impl<'a> SolidPainter<'a> {
         found
     }
 
-    /// Returns the light of the point that is seen at a position in the picture.
-    fn lit(&self, hit: &SolidHit, place: [f64; 2]) -> SolidSample {
+    /// Returns the light of the point that is seen at a position in the picture, for samples at offsets from it.
+    fn lit(&self, hit: &SolidHit, place: [f64; 2], offsets: &[[f64; 2]]) -> SolidSample {
         let face = Face::from(&hit.crossing);
         let look = self.scene.look(&face);
         let slope = look.bump - face.normal.dot(look.bump) * face.normal;
@@ -230,9 +240,20 @@ impl<'a> SolidPainter<'a> {
         let colour = look.color.clamp(DVec3::ZERO, DVec3::ONE).to_array();
         let light = [0, 1, 2].map(|k| colour[k] as f32 * factor[k] * diffuse + white);
         SolidSample {
-            depth: hit.depth,
+            depth: self.depth_behind(hit, place, offsets),
             light: style::emphasised(light, tint.map_or(0.0, |tint| tint.emphasis)),
         }
+    }
+
+    /// Returns the least depth of a face's tangent plane in samples at offsets from a position in the picture, in pixels, less
+    /// the rounding of triangles: a surface in this plane is in front of it in all of these samples.
+    fn depth_behind(&self, hit: &SolidHit, place: [f64; 2], offsets: &[[f64; 2]]) -> f32 {
+        let depth = f64::from(hit.depth);
+        let slope = depth_slope(self.camera, &hit.crossing, place, depth);
+        let rises = offsets.iter().map(|at| slope[0] * at[0] + slope[1] * at[1]);
+        let least = rises.fold(f64::INFINITY, f64::min);
+        let rounding = DEPTH_ROUNDING * depth + PLACE_ROUNDING * (slope[0].abs() + slope[1].abs());
+        (depth + least - rounding).max(MOST_BEHIND * depth) as f32
     }
 
     /// Returns the unit vector to the eye from the point that is seen at a position in the picture, in view space.
@@ -379,6 +400,26 @@ fn depth(camera: &Camera, t: f64) -> f32 {
         Some(parallel) => 1.0 - 0.5 * t / parallel.reach,
     };
     depth.min(1.0) as f32
+}
+
+/// Returns the change of depth in the tangent plane of a point on the ray through a position in the picture, for a pixel to
+/// the right and a pixel down. Depth is affine over the picture.
+fn depth_slope(camera: &Camera, crossing: &Crossing, place: [f64; 2], depth: f64) -> [f64; 2] {
+    let [right, up, back] = camera.axes.map(|axis| axis.dot(crossing.normal));
+    let [width, height] = camera.size.map(f64::from);
+    let [tx, ty] = camera.half_tangents();
+    let steps = [2.0 * tx / width * right, -2.0 * ty / height * up];
+    let slope = match camera.parallel {
+        None => {
+            let [x, y] = across(camera, place);
+            steps.map(|step| depth * step / (x * right + y * up - back))
+        }
+        Some(parallel) => {
+            steps.map(|step| -0.5 * parallel.distance * step / (parallel.reach * back))
+        }
+    };
+    // The plane of a point at the border of what is seen contains the ray.
+    slope.map(|x| if x.is_finite() { x } else { 0.0 })
 }
 
 /// Returns true if an edge separates two neighbours.

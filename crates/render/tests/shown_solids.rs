@@ -233,6 +233,40 @@ fn a_ball_looks_as_the_surface_of_the_same_shape() {
 }
 
 #[test]
+fn a_surface_in_the_face_of_a_solid_is_seen_from_any_distance() {
+    let text = "solid box(x, y, z) = max(abs x, abs y, abs z) - 1, color : (1, 0, 0);
+        surface s(u, v) = (u, v, 1), u : [-1, 1], v : [-1, 1], color : (0, 0, 1);
+        surface below(u, v) = (u, v, 0.9), u : [-1, 1], v : [-1, 1], color : (0, 1, 0);";
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for distance in [1.0, 3.0, 8.0] {
+            let eye = [1.9, -2.6, 1.7].map(|x| distance * x);
+            let options = SpaceOptions {
+                camera: Viewpoint {
+                    projection,
+                    ..Viewpoint::new(eye, [0.0, 0.0, 1.0])
+                },
+                ..SpaceOptions::default()
+            };
+            let scene = scene::geotrace::compile(text).scene.expect("no errors");
+            let request = request(scene, options);
+            let picture = drawn(&mut Renderer::software(), &request);
+            keep(&format!("face-{projection:?}-{distance}"), &picture);
+            // Away from the edges of the face, which is seen as a parallelogram about the middle of the picture.
+            let [width, height] = SIZE;
+            let across = (0.1 * f64::from(width) / distance) as u32;
+            let (left, right) = (width / 2 - across, width / 2 + across);
+            for x in left..=right {
+                let [r, g, b, _] = picture.get_pixel(x, height / 2).0;
+                assert!(
+                    r < 20 && g < 20 && b > 60,
+                    "{projection:?} {distance} {x}: {r} {g} {b}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn what_lies_behind_a_solid_is_hidden_and_what_lies_before_it_is_seen() {
     let text = "point near = (0, -2, 0); point far = (0, 2, 0);";
     let eye = SpaceOptions::seen_from([0.0, -9.0, 0.0], [0.0; 3]);
