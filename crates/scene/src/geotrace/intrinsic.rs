@@ -22,7 +22,8 @@ use crate::geotrace::symbol::Meaning;
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::metric::{Defect, Witness, witness};
 use crate::param_values::ParamValues;
-use crate::scene::{GeodesicPath, Shape};
+use crate::scene::{GeodesicPath, Sampling, Shape};
+use crate::solid::Attribute;
 
 /// The maximum number of instances of a metric that are searched for a point where it is not positive definite.
 const SEARCHED_INSTANCES: u64 = 16;
@@ -109,26 +110,46 @@ impl Declarations {
             unit,
             ..
         } = path;
+        let path = GeodesicPath::Chart {
+            surface: manifold.object,
+            direction,
+            start,
+            unit,
+        };
+        let way = DeclaredWay::Chart {
+            manifold: manifold.nodes,
+            start,
+            direction,
+            unit,
+        };
+        self.declared_geodesic(
+            declaration,
+            (path, way),
+            domain?,
+            dependencies,
+            (attributes, stated),
+        )
+    }
+
+    /// Declares a geodesic, and draws it with its attributes, which have dependencies of their own.
+    pub(crate) fn declared_geodesic(
+        &mut self,
+        declaration: &Declaration<'_>,
+        (path, way): (GeodesicPath, DeclaredWay),
+        domain: Sampling,
+        dependencies: Dependencies,
+        (attributes, stated): (Vec<Attribute>, Dependencies),
+    ) -> Option<Understood> {
         let shape = Shape::Geodesic {
-            path: GeodesicPath::Chart {
-                surface: manifold.object,
-                direction,
-                start,
-                unit,
-            },
-            domain: domain?,
+            path,
+            domain,
             parameter: declaration.parameters.first()?.name.clone(),
         };
         let all = self.lowerer.dependencies.union(dependencies, stated);
         let drawn = self.object(declaration, shape, all, attributes);
         let geodesic = self.lowerer.geodesics.declare(DeclaredGeodesic {
             name: declaration.name.into(),
-            way: DeclaredWay::Chart {
-                manifold: manifold.nodes,
-                start,
-                direction,
-                unit,
-            },
+            way,
             dependencies,
         });
         Some(Understood::from(Meaning::Geodesic(geodesic)).drawn(drawn))

@@ -15,12 +15,12 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, Understood, kind_of};
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::geodesics::{DeclaredGeodesic, DeclaredWay};
+use crate::geotrace::geodesics::DeclaredWay;
 use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::sets::DeclaredSolid;
 use crate::geotrace::symbol::Meaning;
-use crate::scene::{GeodesicPath, Sampling, Shape};
+use crate::scene::{GeodesicPath, Sampling};
 
 /// The maximum number of nodes of a field for which a check tests whether a geodesic can start.
 const TRIED: usize = 4_000;
@@ -92,28 +92,24 @@ impl Declarations {
             let warning = self.cannot_start(declaration, field, [along, at], span);
             self.found.extend(warning);
         }
-        let shape = Shape::Geodesic {
-            path: GeodesicPath::Space {
-                solid: name,
-                field,
-                direction: along,
-                start: at,
-            },
-            domain: domain?,
-            parameter: declaration.parameters.first()?.name.clone(),
+        let path = GeodesicPath::Space {
+            solid: name,
+            field,
+            direction: along,
+            start: at,
         };
-        let all = self.lowerer.dependencies.union(dependencies, stated);
-        let drawn = self.object(declaration, shape, all, attributes);
-        let geodesic = self.lowerer.geodesics.declare(DeclaredGeodesic {
-            name: declaration.name.into(),
-            way: DeclaredWay::Space {
-                field,
-                start: at,
-                direction: along,
-            },
+        let way = DeclaredWay::Space {
+            field,
+            start: at,
+            direction: along,
+        };
+        self.declared_geodesic(
+            declaration,
+            (path, way),
+            domain?,
             dependencies,
-        });
-        Some(Understood::from(Meaning::Geodesic(geodesic)).drawn(drawn))
+            (attributes, stated),
+        )
     }
 
     /// Returns a direction or a start in space.
