@@ -13,12 +13,11 @@ pub(crate) use layout::ChartLayout;
 use std::cell::Cell;
 
 use crate::interpolate::MIDDLE_OF_SIX;
-use crate::metric::{
-    acceleration, combine, cross, dot, gaussian_curvature, minus_components, norm,
-};
+use crate::metric::{acceleration, gaussian_curvature, minus_components};
 use crate::point::Uv;
 use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
+use crate::vector::{combine, cross, dot, norm};
 
 /// Within this fraction of its radius from an apex, directions are those at this distance.
 const TINY: f64 = 1e-14;

@@ -7,10 +7,11 @@
 use crate::chart::{ApexChart, Atlas, Chart, State};
 use crate::ends::Coordinates;
 use crate::integrate::Start;
-use crate::metric::{Metric, combine, norm};
+use crate::metric::Metric;
 use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::surface::{Jet, Surface};
 use crate::trace::{self, Options, Trace, TraceError};
+use crate::vector::{combine, norm};
 
 /// A point of the chart with two tangent vectors X ⟂ Y of equal length. Pixel (x, y) ∈ [−1,1]² looks along xX + yY.
 #[derive(Clone, Copy, Debug, PartialEq)]

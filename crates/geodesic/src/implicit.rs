@@ -27,7 +27,7 @@ use expr::ops::{Binary, Unary};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, Node, NodeId, TooLarge};
 
-use crate::metric::{combine, dot, norm};
+use crate::vector::{combine, cross, dot, norm};
 
 pub use fan::SpaceFan;
 pub use frame::SpaceFrame;
@@ -238,7 +238,7 @@ impl LocalShape {
 
     /// Returns the unit normal to a velocity in the tangent plane, on its left as seen from where f is positive.
     pub(crate) fn left(&self, v: [f64; 3]) -> [f64; 3] {
-        crate::metric::cross(self.normal, v)
+        cross(self.normal, v)
     }
 
     /// Returns a vector without its component along the normal.

@@ -14,11 +14,12 @@ use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
 use crate::jet::{Jet, JetBlock, LANES, Lanes};
-use crate::metric::{Form, norm};
+use crate::metric::Form;
 use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::surface::{ChartData, Surface};
 use crate::topology::Topology;
+use crate::vector::norm;
 
 /// A metric E du² + 2F du dv + G dv² given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the
 /// uniforms' values fixed.

@@ -52,3 +52,4 @@ mod step_control;
 pub mod surface;
 pub mod topology;
 pub mod trace;
+pub mod vector;

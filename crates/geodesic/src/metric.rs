@@ -2,54 +2,7 @@
 
 use crate::jet::{Jet, JetBlock, Lanes};
 use crate::point::TangentVector;
-
-/// The dot product.
-#[inline(always)]
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The cross product.
-#[inline(always)]
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// Returns the length, without overflow or underflow if the result is in range.
-#[inline(always)]
-pub(crate) fn norm(a: [f64; 3]) -> f64 {
-    let square = dot(a, a);
-    if square > 1e-280 && square < 1e280 {
-        square.sqrt()
-    } else {
-        extreme_norm(a)
-    }
-}
-
-/// The same for a vector whose squared length may be out of range.
-#[cold]
-fn extreme_norm(a: [f64; 3]) -> f64 {
-    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    if largest == 0.0 || !largest.is_finite() {
-        return a.iter().map(|x| x.abs()).sum();
-    }
-    let b = a.map(|x| x / largest);
-    largest * dot(b, b).sqrt()
-}
-
-/// Returns `s·a + t·b`.
-#[inline(always)]
-pub(crate) fn combine(s: f64, a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
-    [
-        s * a[0] + t * b[0],
-        s * a[1] + t * b[1],
-        s * a[2] + t * b[2],
-    ]
-}
+use crate::vector::{combine, cross, dot, norm};
 
 /// The first fundamental form E du² + 2F du dv + G dv² with its area element R = |σu×σv|, which preserves the digits
 /// that √(EG−F²) loses in a sheared chart.

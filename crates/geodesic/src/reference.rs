@@ -9,13 +9,13 @@ use std::fmt;
 
 use crate::chart::Atlas;
 use crate::frame::Frame;
-use crate::metric::{combine, norm};
 use crate::pixels::pixel_place;
 use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
 use crate::topology::Apex;
 use crate::trace::Options;
+use crate::vector::{combine, norm};
 
 /// Within this fraction of the domain's width from a pole, points are also compared in polar coordinates.
 const NEAR_POLE: f64 = 0.1;

@@ -17,11 +17,11 @@ use std::array::from_fn;
 use crate::ends::Coordinates;
 use crate::fan::Fan;
 use crate::frame::Frame;
-use crate::metric::{combine, cross, norm};
 use crate::point::{TangentVector, Uv};
 use crate::scale::{Scale, at};
 use crate::surface::{ChartData, Jet, JetBlock, LANES, Lanes, Side, Surface};
 use crate::topology::{PLACES, Topology, place};
+use crate::vector::{combine, cross, norm};
 use change::ParameterChange;
 
 pub use ends::RestoredEnds;

@@ -1,8 +1,8 @@
 //! Typical lengths of a surface, measured on a sample of its points: tolerances are relative to them.
 
 use crate::jet::Jet;
-use crate::metric::norm;
 use crate::point::Uv;
+use crate::vector::norm;
 
 /// Typical lengths of a surface, relative to which others are small. All finite and positive.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,10 +7,11 @@
 use std::f64::consts::TAU;
 
 use crate::jet::Jet;
-use crate::metric::{Form, combine, cross, dot, gaussian_curvature, norm};
+use crate::metric::{Form, gaussian_curvature};
 use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::sides::{Side, Sides};
+use crate::vector::{combine, cross, dot, norm};
 
 /// A side that has collapsed to one point, regarded as the tip of a cone. With ρ the parameter's distance from the side
 /// and t the other parameter, (a, b) = r (cos kt, sin kt), r = ρ^(1/power), are coordinates in which the metric is

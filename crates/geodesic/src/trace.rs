@@ -5,10 +5,11 @@ use std::fmt;
 use crate::chart::{Atlas, Chart, State};
 use crate::field::FieldKnot;
 use crate::integrate::{self, IntegrationPlan, Observed, RayEnd, Start};
-use crate::metric::{norm, speed};
+use crate::metric::speed;
 use crate::point::{TangentVector, Uv};
 use crate::runge_kutta::{DOP853, DOPRI5, RK4};
 use crate::surface::{Side, Surface};
+use crate::vector::{cross, norm};
 
 pub use crate::status::Status;
 
@@ -393,7 +394,7 @@ pub(crate) fn unit_start(
     }
     let velocity = [0, 1].map(|k| signs[k] * velocity[k]);
     let speed = speed(&jet, velocity);
-    let sine = norm(crate::metric::cross(jet.du, jet.dv)) / (norm(jet.du) * norm(jet.dv));
+    let sine = norm(cross(jet.du, jet.dv)) / (norm(jet.du) * norm(jet.dv));
     let at_apex = (0..2).any(|axis| {
         (0..2).any(|end| {
             at[axis] == atlas.layout.domain[axis][end]

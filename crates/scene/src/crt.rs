@@ -22,6 +22,7 @@ mod operate;
 mod random;
 mod run;
 mod value;
+mod vector;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use expr::Input;
 use expr::tape::{Registers, Tape};
 use geodesic::surface::{Side, Surface};
+use geodesic::vector::{dot, norm};
 use geometry::{Manifold, follow_declared};
 use render::point::{PixelPoint, WorldPoint};
 use render::shared::Shared;
@@ -367,14 +368,6 @@ fn locate(surface: &dyn Surface, place: [f64; 3]) -> Option<[f64; 2]> {
         uv = [0, 1].map(|k| (uv[k] + step[k]).clamp(domain[k][0], domain[k][1]));
     }
     (far(&uv) <= ON_SURFACE * surface.scale().size).then_some(uv)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 fn distance(PixelPoint(a): PixelPoint, PixelPoint(b): PixelPoint) -> f64 {

@@ -3,8 +3,8 @@
 use super::State;
 use crate::ends::Coordinates;
 use crate::jet::Jet;
-use crate::metric::combine;
 use crate::topology::Apex;
+use crate::vector::combine;
 
 /// A ray enters an apex's chart within this fraction of the chart's reach.
 const ENTER: f64 = 0.25;

@@ -7,11 +7,12 @@
 use std::convert::Infallible;
 
 use crate::chart::{ApexChart, ChartLayout, rotated, turned as turned_by};
-use crate::metric::{acceleration, combine, cross, curvature_in_range, dot, turned};
+use crate::metric::{acceleration, curvature_in_range, turned};
 use crate::runge_kutta::{
     self, DOPRI5, GeodesicEquation, RatesOfChange, States, Step, StepParameter,
 };
 use crate::surface::{Jet, JetBlock, LANES, Lanes, Surface};
+use crate::vector::{combine, cross, dot};
 
 /// Within this fraction of its radius from an apex, the local data at this distance is used: the chain rule loses
 /// digits like 1/r, and nothing changes over so short a distance.

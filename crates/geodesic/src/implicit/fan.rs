@@ -17,10 +17,10 @@ use crate::ends::{Coordinates, End, Ends, Estimate, GeodesicWork};
 use crate::fan::cell::{Point, hermite};
 use crate::fan::ray::{Ray, Stop};
 use crate::fan::{ACROSS, BASE, FanOptions, Interpolation, ONE_RAY};
-use crate::metric::{combine, dot, norm};
 use crate::point::PicturePoint;
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
+use crate::vector::{combine, dot, norm};
 
 /// The fraction of the tolerance that a ray's own steps may use. It is less than in a chart, where the fan measures rays by
 /// more accurate ones.

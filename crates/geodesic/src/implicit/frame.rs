@@ -2,9 +2,9 @@
 
 use super::ray::SpaceState;
 use super::{ImplicitSurface, PlaceError, SpaceTrace, SpaceTraceError};
-use crate::metric::{combine, cross, dot, norm};
 use crate::point::PicturePoint;
 use crate::trace::Options;
+use crate::vector::{combine, cross, dot, norm};
 
 /// A point on a surface with two orthogonal tangent vectors of equal length, which is the zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]

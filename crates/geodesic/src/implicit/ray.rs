@@ -14,7 +14,6 @@ use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
 use crate::field::{self, FieldKnot};
 use crate::interpolate::{quintic, value};
-use crate::metric::{combine, dot, norm};
 use crate::runge_kutta::{
     self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
 };
@@ -23,6 +22,7 @@ use crate::step_control::{
     ErrorSum, ROUNDING, SHORT, SHORTEST, SMALL_STEP, StepControl, UNDEFINED, step_after,
     step_to_try,
 };
+use crate::vector::{combine, dot, norm};
 
 /// The components of a state in space.
 const COMPONENTS: usize = 10;

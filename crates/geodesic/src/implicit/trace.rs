@@ -7,10 +7,10 @@ use super::ray::{self, SpacePlan, SpaceRayEnd, SpaceState};
 use super::{FieldPiece, ImplicitSurface, PlaceError};
 use crate::fan::ray::Ray;
 use crate::field::FieldKnot;
-use crate::metric::{combine, norm};
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::trace::{FINER, LOOSE, Options, TIGHTEST};
+use crate::vector::{combine, norm};
 
 /// The end of a geodesic in space.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use super::ray::Ray;
 use super::stalled_at;
 use crate::chart::Chart;
-use crate::metric::{cross, dot, norm};
 use crate::status::Status;
 use crate::surface::Side;
+use crate::vector::{cross, dot, norm};
 
 /// R = |σu×σv| is monitored below this fraction of its typical value.
 const LOW: f64 = 1e-2;

@@ -9,9 +9,9 @@ use super::ray::{Attempt, Ray};
 use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, Local, State};
-use crate::metric::{combine, dot, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
+use crate::vector::{combine, dot, norm};
 
 /// The minimum change of the speed within a step that is investigated.
 const NOTICED: f64 = 1e-9;
@@ -68,7 +68,7 @@ impl Ray<'_, '_> {
                 if before.0.position_error > allowed {
                     return Some(Attempt::Again(0.5 * h));
                 }
-                Some(self.cross(before, after, pace, h))
+                Some(self.pass_crease(before, after, pace, h))
             }
         }
     }
@@ -158,7 +158,7 @@ impl Ray<'_, '_> {
     }
 
     /// Takes the step up to a crease and continues behind it.
-    fn cross(
+    fn pass_crease(
         &mut self,
         before: (RayStep, Local),
         after: (RayStep, Local),

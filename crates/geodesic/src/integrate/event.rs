@@ -5,9 +5,9 @@ use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, State};
 use crate::interpolate::cubic;
-use crate::metric::{combine, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
+use crate::vector::{combine, norm};
 
 /// An event within a step.
 #[derive(Clone, Copy, Debug)]

@@ -7,10 +7,10 @@ use super::step::RayStep;
 use super::{IntegrationPlan, stalled_at};
 use crate::chart::{Atlas, Chart, Local, State, rotated};
 use crate::field::{self, FieldKnot};
-use crate::metric::{combine, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::step_control::{ErrorSum, ROUNDING, SHORT, SMALL_STEP, StepControl, UNDEFINED};
+use crate::vector::{combine, norm};
 
 /// If the rounding of u and v turns the tangent plane by more than this, the chart has lost its rank.
 const MEANINGLESS: f64 = 1e-9;

@@ -2,8 +2,8 @@
 
 use super::ray::Ray;
 use crate::chart::{Atlas, Chart, Local, State};
-use crate::metric::{combine, norm};
 use crate::runge_kutta::{self, GeodesicEquation, RatesOfChange, States, StepParameter};
+use crate::vector::{combine, norm};
 
 /// The maximum number of a pair's evaluations in a step, including the one at its start.
 const SLOPES: usize = 13;

@@ -6,11 +6,12 @@
 use super::MeasureError;
 use super::source::{Arrival, RaySource};
 use crate::frame::Frame;
-use crate::metric::{Metric, combine, gaussian_curvature, norm, speed};
+use crate::metric::{Metric, gaussian_curvature, speed};
 use crate::point::{TangentVector, Uv};
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 use crate::trace::TraceError;
+use crate::vector::{combine, norm};
 
 /// A point that geodesics are to reach.
 #[derive(Clone)]

@@ -5,11 +5,12 @@ use crate::chart::Atlas;
 use crate::frame::Frame;
 use crate::interpolate::MIDDLE_OF_SIX;
 use crate::jet::Jet;
-use crate::metric::{cross, dot, gaussian_curvature, norm};
+use crate::metric::gaussian_curvature;
 use crate::point::Uv;
 use crate::surface::Surface;
 use crate::topology::Apex;
 use crate::trace::TraceError;
+use crate::vector::{cross, dot, norm};
 
 /// The measures at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]

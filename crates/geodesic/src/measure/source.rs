@@ -6,11 +6,12 @@ use super::MeasureError;
 use crate::chart::{Atlas, Chart, State};
 use crate::ends::Coordinates;
 use crate::frame::Frame;
-use crate::metric::{Metric, norm};
+use crate::metric::Metric;
 use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::status::Status;
 use crate::surface::Surface;
 use crate::trace::{self, Options, Trace};
+use crate::vector::norm;
 
 /// A point from which rays start.
 #[derive(Clone, Copy)]

@@ -9,10 +9,12 @@ use std::sync::Arc;
 
 use expr::ops::Unary;
 use expr::{Graph, Input, NodeId};
+use geodesic::vector::{cross, dot};
 use syntax::span::Span;
 
-use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
+use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
+use super::vector;
 use crate::range::Range;
 use crate::scene::{Object, Param, Scene, Shape};
 use crate::solid;
@@ -396,21 +398,21 @@ pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     } else {
         [roll.sin(), roll.cos(), 0.0]
     };
-    let Some(left) = vector::unit(vector::cross(ahead, above)) else {
+    let Some(left) = vector::unit(cross(ahead, above)) else {
         return 0.0;
     };
     let right = vector::scaled(left, -1.0);
-    let up = vector::cross(ahead, right);
+    let up = cross(ahead, right);
     // The scene's up: y, or z if the camera looks straight up or down.
     let usual = if is_upright {
         [0.0, 0.0, 1.0]
     } else {
         [0.0, 1.0, 0.0]
     };
-    let Some(left) = vector::unit(vector::cross(ahead, usual)) else {
+    let Some(left) = vector::unit(cross(ahead, usual)) else {
         return 0.0;
     };
     let right = vector::scaled(left, -1.0);
-    let usual = vector::cross(ahead, right);
-    vector::dot(up, right).atan2(vector::dot(up, usual))
+    let usual = cross(ahead, right);
+    dot(up, right).atan2(dot(up, usual))
 }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use geodesic::vector::norm;
 use syntax::crt::objects::FUNCTIONS;
 use syntax::crt::tree::{BinaryOperator, Expression, Modifier, ModifierKind};
 use syntax::span::Span;
 
-use super::entity::{Entity, Map, Node, SetOperation, vector};
+use super::entity::{Entity, Map, Node, SetOperation};
 use super::run::{Interpreter, Stopped};
 use super::value::ScriptValue;
 use super::{MAX_CALLS, codes};
@@ -105,7 +106,7 @@ impl Interpreter<'_> {
     ) -> Result<ScriptValue, Stopped> {
         match (name, arguments) {
             ("length", [ScriptValue::Vector(v)]) => {
-                return Ok(ScriptValue::Float(vector::length(*v)));
+                return Ok(ScriptValue::Float(norm(*v)));
             }
             ("length", [ScriptValue::List(list)]) => {
                 return Ok(ScriptValue::Integer(list.items.len() as i32));

@@ -8,9 +8,12 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
 
+use geodesic::vector::{cross, dot, norm};
+
 use super::build;
-use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
+use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
+use super::vector;
 use crate::solid::AffineNodes;
 
 /// The maximum number of leaves of a program.
@@ -432,12 +435,12 @@ impl<'w> Writer<'w> {
             .second
             .and_then(|(_, _, own)| half_space(&placed(&own)));
         let ahead = second.and_then(|beyond| {
-            let along = vector::dot(beyond.normal, half.normal);
+            let along = dot(beyond.normal, half.normal);
             let in_plane = vector::sub(beyond.normal, vector::scaled(half.normal, along));
             vector::unit(vector::scaled(in_plane, -1.0))
         });
         let [p, q] = match ahead {
-            Some(ahead) => [ahead, vector::cross(half.normal, ahead)],
+            Some(ahead) => [ahead, cross(half.normal, ahead)],
             None => [p, q],
         };
         let at = map.0.map(|row| row[3]);
@@ -623,10 +626,10 @@ fn half_space(map: &Map) -> Option<HalfSpace> {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z] = [0, 1, 2].map(column);
     // The normal is perpendicular to the images of x and y, on the side of z.
-    let normal = vector::unit(vector::cross(x, y))?;
-    let height = vector::dot(normal, z);
+    let normal = vector::unit(cross(x, y))?;
+    let height = dot(normal, z);
     let normal = vector::scaled(normal, height.signum());
-    let offset = vector::dot(normal, column(3));
+    let offset = dot(normal, column(3));
     (height != 0.0 && offset.is_finite()).then_some(HalfSpace { normal, offset })
 }
 
@@ -635,16 +638,16 @@ fn upright(shape: UnitShape, map: &Map) -> Map {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z, at] = [0, 1, 2, 3].map(column);
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * (a.abs() + b.abs());
-    let [a, b, c] = [x, y, z].map(vector::length);
+    let [a, b, c] = [x, y, z].map(norm);
     let is_flat = |v: [f64; 3]| near(v[2] + a, a);
-    let are_across = near(vector::dot(x, y) + a * b, a * b);
+    let are_across = near(dot(x, y) + a * b, a * b);
     let is_round = near(a, b) && are_across;
     match shape {
         UnitShape::Ball
             if is_round
                 && near(b, c)
-                && near(vector::dot(x, z) + a * c, a * c)
-                && near(vector::dot(y, z) + b * c, b * c) =>
+                && near(dot(x, z) + a * c, a * c)
+                && near(dot(y, z) + b * c, b * c) =>
         {
             Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], [0.0, 0.0, a]], at)
         }

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use geodesic::vector::{cross, norm};
 use syntax::crt::objects::{DefaultValue, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::tree::{Attribute, Object};
 use syntax::diagnostic::Diagnostic;
@@ -11,9 +12,10 @@ use syntax::span::Span;
 use syntax::spelling::nearest;
 
 use super::codes;
-use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
+use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape};
 use super::run::{Interpreter, Stopped};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings, ScriptValue};
+use super::vector;
 
 /// The values of an object's attributes, with their spans. All required ones are present, and all have the types of the
 /// table.
@@ -340,7 +342,7 @@ impl Interpreter<'_> {
                 if name == ObjectName::HalfPlane {
                     let way = self.direction(at("direction"), "direction", stated, span)?;
                     // A direction along the normal cuts off nothing of the plane.
-                    if vector::length(vector::cross(normal, way)) > 1e-12 {
+                    if norm(cross(normal, way)) > 1e-12 {
                         let behind = frame(vector::scaled(way, -1.0), [1.0; 3], at("position"));
                         second = Some((SetOperation::Intersection, UnitShape::HalfSpace, behind));
                     }
@@ -357,7 +359,7 @@ impl Interpreter<'_> {
                 };
                 let axis = vector::sub(at(end), at("base"));
                 let unit = self.direction(axis, end, stated, span)?;
-                let sides = [radius, radius, vector::length(axis)];
+                let sides = [radius, radius, norm(axis)];
                 (shape, frame(unit, sides, at("base")))
             }
             _ => {
