@@ -14,9 +14,9 @@ use render::view::traced::TracedOptions;
 use render::{PictureRequest, Renderer};
 use scene::ParamValues;
 use tracer::camera::LensCamera;
-use tracer::encoded;
 use tracer::picture::LightSums;
 use tracer::shade::Scenery;
+use tracer::srgb::bytes;
 
 use crate::measure::{process_clock, processor_time};
 use crate::traced::{RUNS, make_ready, times};
@@ -218,7 +218,7 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
         let mut sums = LightSums::new(SIZE);
         sums.add(&scenery, &eye.lens, None, compared.samples, 1, &|_| true);
         for (pixel, light) in picture.pixels_mut().zip(sums.means()) {
-            pixel.0 = encoded(light);
+            pixel.0 = bytes(light);
         }
         camera = Some(eye.lens);
     });

@@ -16,9 +16,9 @@ use scene::{
 use syntax::span::Span;
 use tracer::Ray;
 use tracer::camera::{Bokeh, LensCamera};
-use tracer::decoded;
 use tracer::light::LightKind;
 use tracer::shade::{Face, FaceLook, FaceObject, LightTracer, Scenery};
+use tracer::srgb::linear;
 
 /// Writes scenes.
 #[derive(Default)]
@@ -375,7 +375,7 @@ fn textures_and_bumps_move_along() {
     let scene = writer.prepared();
     let outside = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
     // At (0, −1, 0) of its own: red is 0.5.
-    let expected = decoded(DVec3::new(0.5, 0.0, 0.0));
+    let expected = linear(DVec3::new(0.5, 0.0, 0.0));
     assert!(outside.color.distance(expected) < 1e-12);
     // The gradient (0, 0.1, 0.1) turns with the ball; seen from inside, the height leads away.
     assert!(outside.bump.distance(DVec3::new(-0.1, 0.0, 0.1)) < 1e-12);
@@ -580,7 +580,7 @@ fn points_arrows_and_curves_are_bodies() {
     let owner = scene.owner(&face.of);
     assert_eq!((&*owner.object.name, owner.object.kind), ("c", "curve"));
     let seen = scene.look(&face, &|_, _| None).color;
-    assert!(seen.distance(decoded(DVec3::new(0.4, 0.0, 0.0))) < 1e-12);
+    assert!(seen.distance(linear(DVec3::new(0.4, 0.0, 0.0))) < 1e-12);
     assert!(!scene.is_declared_solid(0));
 }
 
@@ -653,7 +653,7 @@ fn lights_and_cameras_are_those_of_the_scene() {
     };
     let lights = scene.lights(&camera.lens, &standard);
     assert_eq!(lights.len(), 2);
-    let expected = 2.0 * decoded(DVec3::splat(0.5));
+    let expected = 2.0 * linear(DVec3::splat(0.5));
     assert_eq!((lights[1].color, lights[1].highlight), (expected, expected));
     let LightKind::Beam {
         position, radius, ..
@@ -709,7 +709,7 @@ fn surfaces_have_bumps_and_images() {
         });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);
-        let painted = decoded(srgb(SOLID_COLOUR)) * DVec3::new(0.75, 0.75, 0.0);
+        let painted = linear(srgb(SOLID_COLOUR)) * DVec3::new(0.75, 0.75, 0.0);
         assert!(look.color.distance(painted) < 1e-12);
     }
     assert!(first(&scene, &ray([2.1, 0.0, 5.0], [0.0, 0.0, -1.0])).is_none());

@@ -13,6 +13,7 @@ use std::sync::{Arc, LazyLock};
 
 pub use geometry::solids::SOLID_COLOUR;
 use scene::{Object, Scene, Shape};
+use tracer::srgb;
 
 /// The background, sRGB.
 pub const BACKGROUND: [u8; 3] = [18, 20, 26];
@@ -294,7 +295,7 @@ pub(crate) fn line_styles(scene: &Scene, scale: f32) -> Vec<LineStyle> {
     scene.objects.iter().map(line).collect()
 }
 
-/// Converts sRGB to linear light (IEC 61966-2-1).
+/// Converts sRGB to linear light.
 pub fn linear(colour: [u8; 3]) -> [f32; 3] {
     colour.map(decode)
 }
@@ -311,16 +312,8 @@ pub struct Decoder(&'static [f32; 256]);
 impl Decoder {
     /// Returns the table.
     pub fn get() -> Self {
-        static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
-            std::array::from_fn(|byte| {
-                let c = byte as f32 / 255.0;
-                if c <= 0.040_45 {
-                    c / 12.92
-                } else {
-                    ((c + 0.055) / 1.055).powf(2.4)
-                }
-            })
-        });
+        static TABLE: LazyLock<[f32; 256]> =
+            LazyLock::new(|| std::array::from_fn(|byte| srgb::decode(byte as f64 / 255.0) as f32));
         Self(&TABLE)
     }
 
@@ -375,19 +368,14 @@ fn encode_word(light: f32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::encode;
+    use super::{encode, srgb};
 
     #[test]
     fn light_becomes_the_nearest_byte_of_the_srgb_curve() {
         let mut worst = 0.0_f64;
         for step in 0..=1_000_000 {
             let light = f64::from(step) / 1e6;
-            let curve = if light <= 0.003_130_8 {
-                12.92 * light
-            } else {
-                1.055 * light.powf(1.0 / 2.4) - 0.055
-            };
-            let off = (f64::from(encode(light as f32)) - 255.0 * curve).abs();
+            let off = (f64::from(encode(light as f32)) - 255.0 * srgb::encode(light)).abs();
             worst = worst.max(off);
         }
         assert!(worst < 0.5005, "{worst}");

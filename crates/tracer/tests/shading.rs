@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine3, DVec3};
 use tracer::camera::{Bokeh, LensCamera, LensProjection, SampleAxes};
-use tracer::encoded;
 use tracer::light::{Light, LightKind};
 use tracer::optics::{fresnel, reflected, refracted};
 use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
+use tracer::srgb;
 use tracer::{Ray, SetStep, Sheet, Sheets, World, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
@@ -622,5 +622,5 @@ fn samples_and_lenses_are_where_the_page_says() {
     .ray(size, [320.0, 0.0], [0.0; 2]);
     assert_close(up.angle_between(axis), PI / 8.0, 1e-12);
     assert!(up.z > axis.z);
-    assert_eq!(encoded(DVec3::new(-1.0, 0.5, f64::NAN)), [0, 188, 0]);
+    assert_eq!(srgb::bytes(DVec3::new(-1.0, 0.5, f64::NAN)), [0, 188, 0]);
 }

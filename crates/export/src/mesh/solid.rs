@@ -5,7 +5,7 @@ use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayNote, RayScene, RaySceneOpti
 use glam::DVec3;
 use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
-use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, encoded};
+use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, srgb};
 
 use super::Coloured;
 use super::weld::{Mesh, Vertex, is_held};
@@ -182,7 +182,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
                 entering: true,
             },
         };
-        encoded(rays.look(&face, &|_, _| None).color)
+        srgb::bytes(rays.look(&face, &|_, _| None).color)
     };
     places.map(colour).collect()
 }
