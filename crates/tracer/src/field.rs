@@ -120,7 +120,7 @@ pub(crate) struct FieldScratch {
     intervals: Vec<Interval>,
     processor: Processor,
     /// The parts of a segment with their findings, the first part last.
-    known: Vec<BundlePart>,
+    parts: Vec<BundlePart>,
     work: FieldWork,
     /// The number of interval evaluations so far.
     pub(crate) evaluations: u64,
@@ -192,6 +192,29 @@ impl FieldScratch {
     /// Returns the number of operations so far.
     pub(crate) fn operations(&self) -> u64 {
         self.work.done
+    }
+
+    /// Sets the parts of a segment: these where they lie in it, and open ones before and after them.
+    fn restrict(&mut self, parts: &[BundlePart], [from, to]: [f64; 2]) {
+        self.parts.clear();
+        let mut begin = to;
+        for part in parts.iter().rev() {
+            let [a, b] = [part.from.max(from), part.to.min(to)];
+            if a < b {
+                if self.parts.is_empty() && b < to {
+                    self.parts.push(BundlePart::open(b, to));
+                }
+                self.parts.push(BundlePart {
+                    from: a,
+                    to: b,
+                    ..*part
+                });
+                begin = a;
+            }
+        }
+        if begin > from {
+            self.parts.push(BundlePart::open(from, begin));
+        }
     }
 
     /// Returns true if fields are still evaluated.
@@ -276,7 +299,7 @@ impl Field {
     }
 
     /// Returns the membership immediately after the start of a part of a line, and the parameter at which the search for
-    /// changes begins. With `leaving`, the line leaves the surface at `from` and does not meet it again there. `known` is as
+    /// changes begins. With `leaving`, the line leaves the surface at `from` and does not meet it again there. `bundle` is as
     /// for [`Field::next_change`].
     pub(crate) fn start(
         &self,
@@ -284,11 +307,11 @@ impl Field {
         line: &Line,
         [from, to]: [f64; 2],
         leaving: bool,
-        known: Option<(&mut DividedBundle, usize)>,
+        bundle: Option<(&mut DividedBundle, usize)>,
     ) -> (bool, f64) {
         if !leaving {
             let inside =
-                known.and_then(|(bundle, line)| bundle.membership(self, scratch, line, from));
+                bundle.and_then(|(bundle, line)| bundle.membership(self, scratch, line, from));
             let inside = inside.unwrap_or_else(|| self.value(scratch, line.at(from)) <= 0.0);
             return (inside, from);
         }
@@ -297,131 +320,124 @@ impl Field {
     }
 
     /// Returns the first parameter in (from, to] where membership changes, `inside` being the membership immediately after
-    /// `from`, and the parameter at which the search for the next change begins. `known` has the findings about the line's
-    /// bundle, and the line's index in it.
+    /// `from`, and the parameter at which the search for the next change begins. `bundle` is the line's bundle, with the
+    /// line's index in it.
     pub(crate) fn next_change(
         &self,
         scratch: &mut FieldScratch,
         line: &Line,
         [from, to]: [f64; 2],
         inside: bool,
-        mut known: Option<(&mut DividedBundle, usize)>,
+        mut bundle: Option<(&mut DividedBundle, usize)>,
     ) -> Option<(f64, f64)> {
-        scratch.known.clear();
-        let open = |from: f64, to: f64| BundlePart {
-            from,
-            to,
-            finding: PartFinding::Open,
-        };
-        let mut begin = to;
-        let parts = known.as_ref().map_or(&[][..], |(bundle, _)| &bundle.parts);
-        for part in parts.iter().rev() {
-            let [a, b] = [part.from.max(from), part.to.min(to)];
-            if a < b {
-                if scratch.known.is_empty() && b < to {
-                    scratch.known.push(open(b, to));
-                }
-                scratch.known.push(BundlePart {
-                    from: a,
-                    to: b,
-                    ..*part
-                });
-                begin = a;
-            }
-        }
-        if begin > from {
-            scratch.known.push(open(from, begin));
-        }
-        while let Some(BundlePart {
-            from: a,
-            to: b,
-            finding,
-        }) = scratch.known.pop()
-        {
-            match finding {
+        let parts = bundle.as_ref().map_or(&[][..], |(it, _)| &it.parts);
+        scratch.restrict(parts, [from, to]);
+        while let Some(part) = scratch.parts.pop() {
+            let change = match part.finding {
                 PartFinding::Outside | PartFinding::Inside => {
                     // The membership is constant on the part; a change between two parts is at their common end.
-                    if (finding == PartFinding::Inside) != inside {
-                        return Some((a, a.max(from).next_up()));
-                    }
+                    let changes = (part.finding == PartFinding::Inside) != inside;
+                    changes.then(|| (part.from, part.from.max(from).next_up()))
                 }
-                PartFinding::Monotone => {
-                    if let Some(shell) = &self.shell {
-                        if let Some(t) = self.level_crossing(scratch, shell, line, [a, b], inside) {
-                            return Some((t, t.next_up()));
-                        }
-                        continue;
-                    }
-                    let at_b = self.value(scratch, line.at(b));
-                    if (at_b <= 0.0) != inside {
-                        return Some((self.between(scratch, line, [a, b], at_b, inside), b));
-                    }
+                PartFinding::Monotone | PartFinding::Shortest => {
+                    self.only_change(scratch, line, part, inside)
                 }
-                PartFinding::Shortest => {
-                    let at_b = self.value(scratch, line.at(b));
-                    if (at_b <= 0.0) != inside {
-                        return Some((self.between(scratch, line, [a, b], at_b, inside), b));
+                PartFinding::Shared(node) => match &mut bundle {
+                    Some((bundle, line)) => {
+                        self.change_in_node(scratch, (bundle, *line), node, part, inside)
                     }
-                }
-                PartFinding::Shared(node) => {
-                    let Some((bundle, line)) = &mut known else {
-                        scratch.known.push(open(a, b));
-                        continue;
-                    };
-                    if let Some(finding) = bundle.finding(self, scratch, node, *line) {
-                        if finding == PartFinding::Monotone && bundle.range(node) == [a, b] {
-                            let (starts_inside, place) = bundle.change(self, scratch, node, *line);
-                            if starts_inside == inside {
-                                let Some(t) = place else { continue };
-                                let is_shell = self.shell.is_some();
-                                return Some((t, if is_shell { t.next_up() } else { b }));
-                            }
-                        }
-                        scratch.known.push(BundlePart {
-                            from: a,
-                            to: b,
-                            finding,
-                        });
-                        continue;
+                    None => {
+                        scratch.parts.push(BundlePart::open(part.from, part.to));
+                        None
                     }
-                    let Some(halves) = bundle.halves(node) else {
-                        scratch.known.push(open(a, b));
-                        continue;
-                    };
-                    for half in halves.into_iter().rev() {
-                        let (from, to) = (half.from.max(a), half.to.min(b));
-                        if from < to {
-                            scratch.known.push(BundlePart { from, to, ..half });
-                        }
-                    }
-                }
+                },
                 PartFinding::Open => {
                     if scratch.work.evaluations == 0 || scratch.work.intervals == 0 {
                         scratch.work.is_cut_short = true;
-                        return self.sampled(scratch, line, [a, to], inside);
+                        return self.sampled(scratch, line, [part.from, to], inside);
                     }
-                    if self.is_of_vectors {
-                        self.find_in_parts(scratch, line, [a, b]);
-                        continue;
-                    }
-                    scratch.work.evaluations -= 1;
-                    let range = self.range_on(scratch, line, [a, b]);
-                    let found = self.finding(range);
-                    let Some(finding) = found.or(shortest([a, b])) else {
-                        let middle = 0.5 * (a + b);
-                        scratch.known.push(open(middle, b));
-                        scratch.known.push(open(a, middle));
-                        continue;
-                    };
-                    scratch.known.push(BundlePart {
-                        from: a,
-                        to: b,
-                        finding,
-                    });
+                    self.divide_part(scratch, line, [part.from, part.to]);
+                    None
                 }
+            };
+            if change.is_some() {
+                return change;
             }
         }
         None
+    }
+
+    /// Returns the change on a part with at most one, as [`Field::next_change`] does.
+    fn only_change(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        part: BundlePart,
+        inside: bool,
+    ) -> Option<(f64, f64)> {
+        let [a, b] = [part.from, part.to];
+        if part.finding == PartFinding::Monotone
+            && let Some(shell) = &self.shell
+        {
+            let t = self.level_crossing(scratch, shell, line, [a, b], inside)?;
+            return Some((t, t.next_up()));
+        }
+        let at_b = self.value(scratch, line.at(b));
+        ((at_b <= 0.0) != inside).then(|| (self.between(scratch, line, [a, b], at_b, inside), b))
+    }
+
+    /// Returns the change on a part of a node of the line's bundle, if the node has it; otherwise the part, or its halves,
+    /// are examined next.
+    fn change_in_node(
+        &self,
+        scratch: &mut FieldScratch,
+        (bundle, line): (&mut DividedBundle, usize),
+        node: u32,
+        part: BundlePart,
+        inside: bool,
+    ) -> Option<(f64, f64)> {
+        let [a, b] = [part.from, part.to];
+        if let Some(finding) = bundle.finding(self, scratch, node, line) {
+            if finding == PartFinding::Monotone && bundle.range(node) == [a, b] {
+                let (starts_inside, place) = bundle.change(self, scratch, node, line);
+                if starts_inside == inside {
+                    let is_shell = self.shell.is_some();
+                    return place.map(|t| (t, if is_shell { t.next_up() } else { b }));
+                }
+            }
+            scratch.parts.push(BundlePart { finding, ..part });
+        } else if let Some(halves) = bundle.halves(node) {
+            for half in halves.into_iter().rev() {
+                let (from, to) = (half.from.max(a), half.to.min(b));
+                if from < to {
+                    scratch.parts.push(BundlePart { from, to, ..half });
+                }
+            }
+        } else {
+            scratch.parts.push(BundlePart::open(a, b));
+        }
+        None
+    }
+
+    /// Evaluates an open part, or the parts that it is divided into; those that remain open are halved next.
+    fn divide_part(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) {
+        if self.is_of_vectors {
+            return self.find_in_parts(scratch, line, [a, b]);
+        }
+        scratch.work.evaluations -= 1;
+        let range = self.range_on(scratch, line, [a, b]);
+        let found = self.finding(range);
+        if let Some(finding) = found.or(shortest([a, b])) {
+            scratch.parts.push(BundlePart {
+                from: a,
+                to: b,
+                finding,
+            });
+        } else {
+            let middle = 0.5 * (a + b);
+            scratch.parts.push(BundlePart::open(middle, b));
+            scratch.parts.push(BundlePart::open(a, middle));
+        }
     }
 
     /// Determines the findings about parts of a part, about one for each lane of a vector.
@@ -448,7 +464,7 @@ impl Field {
                     None => self.range_on(scratch, line, [from, to]),
                 };
                 let found = self.finding(range).or(shortest([from, to]));
-                scratch.known.push(BundlePart {
+                scratch.parts.push(BundlePart {
                     from,
                     to,
                     finding: found.unwrap_or(PartFinding::Open),

@@ -21,6 +21,17 @@ pub(crate) struct BundlePart {
     pub(crate) finding: PartFinding,
 }
 
+impl BundlePart {
+    /// Returns a part about which nothing is known.
+    pub(crate) fn open(from: f64, to: f64) -> Self {
+        Self {
+            from,
+            to,
+            finding: PartFinding::Open,
+        }
+    }
+}
+
 /// The finding about a part, for each ray.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum PartFinding {
