@@ -8,7 +8,8 @@
 use glam::DVec3;
 
 use super::FaceLook;
-use crate::light::{Light, SeenLight};
+use super::lights::LitFace;
+use crate::light::Light;
 
 /// The distance within which faces keep parallel light from others.
 pub(super) const PARALLEL_REACH: f64 = 1e4;
@@ -18,20 +19,15 @@ pub(super) fn ambient(look: &FaceLook, light: &Light) -> DVec3 {
     light.ambient * light.color * (DVec3::ONE - look.mirror)
 }
 
-/// Light that comes from a light, at a face that a ray of this direction comes to.
-pub(super) fn lit(
-    look: &FaceLook,
-    light: &Light,
-    seen: &SeenLight,
-    height: f64,
-    visible: DVec3,
-    normal: DVec3,
-    direction: DVec3,
-) -> DVec3 {
-    let scattered = look.scattered();
-    let away = seen.towards - 2.0 * height * normal;
-    let along = away.dot(direction).max(0.0);
+/// Returns the light that a face sends, if this share of a light comes to it.
+pub(super) fn lit(face: &LitFace<'_>, light: &Light, visible: DVec3) -> DVec3 {
+    let LitFace {
+        met, seen, height, ..
+    } = face;
+    let look = &met.look;
+    let away = seen.towards - 2.0 * height * met.normal;
+    let along = away.dot(face.direction).max(0.0);
     let highlight = look.specular * along.powf(look.shininess);
     let shared = visible * seen.share;
-    shared * look.color * (scattered * height * light.color + highlight * light.highlight)
+    shared * look.color * (look.scattered() * height * light.color + highlight * light.highlight)
 }

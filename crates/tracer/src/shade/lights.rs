@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::Face;
 use super::crt::{self, PARALLEL_REACH};
 use super::paths::{LightPath, LightTracer, Medium, MetFace, SurfaceNumber, kept};
-use crate::light::{FaceBlock, Light, SeenBlock};
+use crate::light::{FaceBlock, Light, SeenBlock, SeenLight};
 use crate::look::PictureLook;
 use crate::sheets::SheetsRay;
 
@@ -172,6 +172,52 @@ impl VectorWork for ScatteredLight<'_> {
     }
 }
 
+/// The faces of one surface, and a light as they see it.
+struct SurfaceFaces<'a> {
+    blocks: &'a mut [LitBlock],
+    places: &'a [FaceBlock],
+    seen: &'a [SeenBlock],
+}
+
+/// A face, and a light as it sees it.
+pub(super) struct LitFace<'a> {
+    pub(super) met: &'a MetFace,
+    /// The direction of the ray that comes to the face.
+    pub(super) direction: DVec3,
+    /// The colour of what it scatters.
+    scattered: DVec3,
+    pub(super) seen: SeenLight,
+    /// The cosine of the angle between the direction towards the light and the normal.
+    pub(super) height: f64,
+}
+
+impl LitFace<'_> {
+    /// Returns the light that it sends against the ray, if this share of the light comes to it.
+    fn sent(&self, look: PictureLook, light: &Light, visible: DVec3) -> DVec3 {
+        match look {
+            PictureLook::Geotrace => {
+                let highlight = if self.met.look.specular > 0.0 {
+                    self.met.highlight(self.seen.towards, self.direction)
+                } else {
+                    0.0
+                };
+                let shared = visible * self.seen.share;
+                let scattered = light.color * self.scattered * self.height;
+                shared * (scattered + light.highlight * highlight)
+            }
+            PictureLook::Crt => crt::lit(self, light, visible),
+        }
+    }
+}
+
+/// Returns the distance within which a face can be in the shadow of others, from a light at this distance.
+fn shadow_distance(look: PictureLook, distance: f64) -> f64 {
+    match look {
+        PictureLook::Crt if !distance.is_finite() => PARALLEL_REACH,
+        _ => distance,
+    }
+}
+
 /// The work of a light for a block of faces, in operations.
 const LIGHT_OPERATIONS: u64 = 16;
 
@@ -194,14 +240,17 @@ impl LightTracer<'_> {
             }
             lit.turn(light, self.processor);
             self.operations += lit.blocks.len() as u64 * LIGHT_OPERATIONS;
-            let (mut places, mut seen) = (&lit.places[..], &lit.seen[..]);
+            let mut begin = 0;
             for blocks in lit.blocks.chunk_by_mut(|_, next| !next.begins) {
-                let of_surface;
-                (of_surface, places) = places.split_at(blocks.len());
-                let light_there;
-                (light_there, seen) = seen.split_at(blocks.len());
+                let range = begin..begin + blocks.len();
+                begin = range.end;
                 if blocks.iter().any(|block| block.turned.any()) {
-                    self.add_light(light, blocks, of_surface, light_there, paths, faces);
+                    let surface = SurfaceFaces {
+                        blocks,
+                        places: &lit.places[range.clone()],
+                        seen: &lit.seen[range],
+                    };
+                    self.add_light(light, surface, paths, faces);
                 }
             }
         }
@@ -213,97 +262,54 @@ impl LightTracer<'_> {
         self.lit = lit;
     }
 
-    /// Adds a light to the faces of a surface, at these places, which see it so.
+    /// Adds a light to the faces of a surface.
     fn add_light(
         &mut self,
         light: &Light,
-        blocks: &mut [LitBlock],
-        places: &[FaceBlock],
-        seen: &[SeenBlock],
+        surface: SurfaceFaces<'_>,
         paths: &[LightPath],
         faces: &[MetFace],
     ) {
         let picture_look = self.scenery.picture_look;
-        let reach = |distance: f64| match picture_look {
-            PictureLook::Crt if !distance.is_finite() => PARALLEL_REACH,
-            _ => distance,
-        };
         if light.casts_shadows {
-            let leaving = faces[blocks[0].faces[0]].start.surface;
-            let rays = self.caster.begin(leaving);
-            let mut farthest = 0.0f64;
-            for ((block, places), seen) in blocks.iter().zip(places).zip(seen) {
-                if block.turned.any() {
-                    rays.push_block(&places.position, &seen.towards, block.turned);
-                    let distances = block.turned.each().map(|lane| reach(seen.distance[lane]));
-                    farthest = distances.fold(farthest, f64::max);
-                }
-            }
-            self.caster.find_near(farthest);
+            self.begin_shadow_rays(&surface, faces);
         }
-        let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
+        let SurfaceFaces { blocks, seen, .. } = surface;
         let mut rays = 0;
         for (block, seen) in blocks.iter_mut().zip(seen) {
             block.plain = Lanes::default();
             if !block.turned.any() {
                 continue;
             }
-            let free = if !light.casts_shadows || is_free {
-                block.turned
-            } else if self.scenery.sheets.is_empty() {
-                let reaches = seen.distance.map(reach);
-                block.turned & self.caster.free_rays(rays, &reaches)
-            } else {
-                Lanes::default()
-            };
             let free = match light.casts_shadows {
-                true => free.without(block.tinted),
-                false => free,
+                true => self.free_lanes(block, seen, rays),
+                false => block.turned,
             };
             block.plain = free.without(block.shiny);
             for lane in block.turned.without(block.plain).each() {
                 let met = &faces[block.faces[lane]];
-                let seen_there = seen.light(lane);
                 let path = &paths[met.path];
+                let lit = LitFace {
+                    met,
+                    direction: path.ray.direction,
+                    scattered: LitBlock::at(&block.scattered, lane),
+                    seen: seen.light(lane),
+                    height: seen.height[lane],
+                };
                 let visible = if free.has(lane) {
                     DVec3::ONE
                 } else {
                     let ray = SheetsRay {
                         origin: met.face.position,
-                        direction: seen_there.towards,
+                        direction: lit.seen.towards,
                         leaving: met.start.sheet,
-                        reach: reach(seen_there.distance),
+                        reach: shadow_distance(picture_look, lit.seen.distance),
                     };
                     self.visible(rays + lane, ray, &path.media)
                 };
-                if visible == DVec3::ZERO {
-                    continue;
+                if visible != DVec3::ZERO {
+                    block.add(lane, lit.sent(picture_look, light, visible));
                 }
-                let direction = path.ray.direction;
-                let height = seen.height[lane];
-                let added = match picture_look {
-                    PictureLook::Geotrace => {
-                        let highlight = if met.look.specular > 0.0 {
-                            met.highlight(seen_there.towards, direction)
-                        } else {
-                            0.0
-                        };
-                        let shared = visible * seen_there.share;
-                        let scattered = LitBlock::at(&block.scattered, lane);
-                        let scattered = light.color * scattered * height;
-                        shared * (scattered + light.highlight * highlight)
-                    }
-                    PictureLook::Crt => crt::lit(
-                        &met.look,
-                        light,
-                        &seen_there,
-                        height,
-                        visible,
-                        met.normal,
-                        direction,
-                    ),
-                };
-                block.add(lane, added);
             }
             rays += MOST_LANES;
         }
@@ -312,6 +318,43 @@ impl LightTracer<'_> {
             blocks,
             seen,
         });
+    }
+
+    /// Begins the bundle of the rays from the faces of a surface towards a light.
+    fn begin_shadow_rays(&mut self, surface: &SurfaceFaces<'_>, faces: &[MetFace]) {
+        let picture_look = self.scenery.picture_look;
+        let SurfaceFaces {
+            blocks,
+            places,
+            seen,
+        } = surface;
+        let rays = self.caster.begin(faces[blocks[0].faces[0]].start.surface);
+        let mut farthest = 0.0f64;
+        for ((block, places), seen) in blocks.iter().zip(*places).zip(*seen) {
+            if block.turned.any() {
+                rays.push_block(&places.position, &seen.towards, block.turned);
+                let lanes = block.turned.each();
+                let distances =
+                    lanes.map(|lane| shadow_distance(picture_look, seen.distance[lane]));
+                farthest = distances.fold(farthest, f64::max);
+            }
+        }
+        self.caster.find_near(farthest);
+    }
+
+    /// Returns the lanes of a block whose faces are turned to the light and are known to see it unchanged; `first` is the
+    /// number of the block's first ray in the caster's bundle.
+    fn free_lanes(&self, block: &LitBlock, seen: &SeenBlock, first: usize) -> Lanes {
+        if !self.scenery.sheets.is_empty() {
+            return Lanes::default();
+        }
+        let mut free = block.turned.without(block.tinted);
+        if !self.caster.bundle_is_free() {
+            let picture_look = self.scenery.picture_look;
+            let distances = seen.distance.map(|it| shadow_distance(picture_look, it));
+            free = free & self.caster.free_rays(first, &distances);
+        }
+        free
     }
 
     /// The share of a light that the faces on the way let through, unbent, and the glass between them: first these media. The
