@@ -5,13 +5,13 @@ use std::sync::Arc;
 use expr::Input;
 use glam::DVec3;
 use scene::limits::MAX_LEAVES;
-use scene::{Attribute, Object, ObjectId, ParamValues, Scene, Shape, stated_word};
+use scene::{Attribute, Object, ObjectId, ParamValues, Scene, Shape, Solid, stated_word};
 use tracer::shade::{FaceSides, Glass};
 use tracer::{Sheet, Sheets, World, WorldBuilder};
 
 use super::attributes::{AffineTape, AttributeSet, NumberAttribute};
 use super::bodies::{self, BodyPart, BodyShapes, MAX_BODIES, Thickness};
-use super::expand::{ExpandedSolid, Expansion, Omission, ShapeTable, instance_grids};
+use super::expand::{ExpandedLeaf, ExpandedSolid, Expansion, Omission, ShapeTable, instance_grids};
 use super::look::{FaceImage, FacePlace, LookProgram};
 use super::note::{RayFault, RayNote};
 use super::stage::{self, DeclaredBackground};
@@ -90,6 +90,40 @@ impl<'a> Draft<'a> {
         let Some(solid) = object.shape.solid() else {
             return;
         };
+        let Some((expanded, instances)) = self.expanded(object, solid) else {
+            return;
+        };
+        match expanded.build(self.scene, solid, builder, &mut self.table) {
+            Ok(()) => {}
+            Err(Omission::TooLarge) => return self.note(object, RayFault::TooLarge),
+            Err(Omission::TooMuchWork) => return self.note(object, RayFault::TooMuchWork),
+            Err(_) => return,
+        }
+        let ray_solid = RaySolid {
+            object: self.object(id, object),
+            stated_cell: expanded.stated_cell(solid),
+        };
+        let first = [self.content.looks.len(), self.content.names.len()].map(|it| it as u32);
+        self.add_looks(id, object, solid);
+        let glass = self.add_leaves(expanded.leaves, &instances, solid, first);
+        let looks = &self.content.looks[first[0] as usize..];
+        let is_opaque = looks.iter().all(LookProgram::is_opaque);
+        let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
+        uneven.sort_unstable();
+        uneven.dedup();
+        self.content.add_solid(ray_solid, glass, is_opaque);
+        for word in uneven {
+            self.note(object, RayFault::NotUniform(word));
+        }
+    }
+
+    /// Returns the set of all instances of a solid, and for each instance the number of leaves up to its end and its index;
+    /// `None` if there are none or too many.
+    fn expanded(
+        &mut self,
+        object: &Object,
+        solid: &Solid,
+    ) -> Option<(ExpandedSolid, Vec<(usize, u64)>)> {
         let (scene, params) = (self.scene, self.params);
         let maps = solid.leaves.iter();
         let mut expansion = Expansion {
@@ -114,9 +148,9 @@ impl<'a> Draft<'a> {
                 Err(Omission::Singular { leaf }) => (singular, whose) = (singular + 1, leaf),
                 Err(Omission::TooManyLeaves) => {
                     self.note(object, RayFault::TooManyLeaves);
-                    return;
+                    return None;
                 }
-                Err(_) => return,
+                Err(_) => return None,
             }
         }
         self.leaf_room = expansion.room;
@@ -129,27 +163,17 @@ impl<'a> Draft<'a> {
             };
             self.note(object, fault);
         }
-        if expanded.leaves.is_empty() {
-            return;
-        }
-        match expanded.build(scene, solid, builder, &mut self.table) {
-            Ok(()) => {}
-            Err(Omission::TooLarge) => return self.note(object, RayFault::TooLarge),
-            Err(Omission::TooMuchWork) => return self.note(object, RayFault::TooMuchWork),
-            Err(_) => return,
-        }
-        let ray_solid = RaySolid {
-            object: self.object(id, object),
-            stated_cell: expanded.stated_cell(solid),
-        };
+        (!expanded.leaves.is_empty()).then_some((expanded, instances))
+    }
+
+    /// Adds the looks and names of a solid's leaves.
+    fn add_looks(&mut self, id: Option<ObjectId>, object: &Object, solid: &Solid) {
         let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
-        let first_look = self.content.looks.len() as u32;
-        let first_name = self.content.names.len() as u32;
         let (mut has_unplaced, mut has_places) = (false, false);
         for leaf in &solid.leaves {
             // In a scene script a colour may be brighter than white.
-            let bright = scene.picture.is_some();
-            let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, bright);
+            let bright = self.scene.picture.is_some();
+            let attributes = AttributeSet::new(&self.scene.graph, &leaf.attributes, bright);
             let image = self.image(id, &leaf.attributes);
             let is_stated = image.is_some_and(|image| image.stated.is_some());
             has_unplaced |= is_stated && !attributes.states(NumberAttribute::Uv);
@@ -164,23 +188,39 @@ impl<'a> Draft<'a> {
         } else if !has_places {
             self.content.unplaced.extend(id);
         }
+    }
+
+    /// Adds the leaves of a solid's instances, whose looks and names begin at these indices. Returns its glass, if a leaf
+    /// has one.
+    fn add_leaves(
+        &mut self,
+        expanded: Vec<ExpandedLeaf>,
+        instances: &[(usize, u64)],
+        solid: &Solid,
+        [first_look, first_name]: [u32; 2],
+    ) -> Option<Glass> {
+        let RayContent {
+            leaves,
+            sides,
+            looks,
+            ..
+        } = &mut self.content;
         let mut instance_of = instances.iter();
         let mut current = instance_of.next();
         let mut glass = None;
-        for (k, leaf) in expanded.leaves.into_iter().enumerate() {
+        for (k, leaf) in expanded.into_iter().enumerate() {
             while current.is_some_and(|(end, _)| *end <= k) {
                 current = instance_of.next();
             }
-            let look = &self.content.looks[(first_look + leaf.leaf) as usize];
+            let look = &looks[(first_look + leaf.leaf) as usize];
             if glass.is_none() {
                 let of_leaf = look.glass(&leaf.uniforms);
                 glass = of_leaf.map(|glass| Glass {
-                    leaf: self.content.leaves.len(),
+                    leaf: leaves.len(),
                     ..glass
                 });
             }
             let place = look.place(&leaf.uniforms);
-            let RayContent { leaves, sides, .. } = &mut self.content;
             if let Some(front) = solid.front {
                 sides.resize(leaves.len(), FaceSides::Both);
                 sides.push(match leaf.leaf == front {
@@ -196,16 +236,7 @@ impl<'a> Draft<'a> {
                 uniforms: leaf.uniforms,
             });
         }
-        let looks = &self.content.looks[first_look as usize..];
-        let is_opaque = looks.iter().all(LookProgram::is_opaque);
-        self.content.add_solid(ray_solid, glass, is_opaque);
-        let looks = &self.content.looks[first_look as usize..];
-        let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
-        uneven.sort_unstable();
-        uneven.dedup();
-        for word in uneven {
-            self.note(object, RayFault::NotUniform(word));
-        }
+        glass
     }
 
     pub(super) fn body(
