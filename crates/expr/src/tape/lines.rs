@@ -106,6 +106,35 @@ struct FoundOnLines {
 }
 
 impl FoundOnLines {
+    /// Stores the result in a part of the lanes.
+    #[inline(always)]
+    fn set_part<S: Instructions>(
+        &mut self,
+        s: S,
+        part: usize,
+        found: LineRanges<S>,
+        known: KnownLines<S>,
+    ) {
+        let number = |x: f64| Vector::splat(s, x);
+        let [nothing, endless] = [f64::NAN, f64::INFINITY].map(number);
+        let KnownLines {
+            bounded,
+            sloped,
+            partial,
+            undefined,
+        } = known;
+        let lower = undefined.choose(endless, nothing);
+        let upper = undefined.choose(-endless, nothing);
+        let [a, b, c, d] = &mut self.bounds;
+        bounded.choose(found.value.lower, lower).store(a, part);
+        bounded.choose(found.value.upper, upper).store(b, part);
+        sloped.choose(found.slope.lower, nothing).store(c, part);
+        sloped.choose(found.slope.upper, nothing).store(d, part);
+        partial
+            .choose(number(1.0), number(0.0))
+            .store(&mut self.partial, part);
+    }
+
     fn slope(&self, lane: usize) -> Option<Slope> {
         let [a, b, c, d] = self.bounds.map(|bounds| bounds[lane]);
         if a.is_nan() {
@@ -153,21 +182,7 @@ impl VectorWork for OnLines<'_> {
             let mut known = KnownLines::new(s);
             let times = LaneBounds::load(s, t, part);
             for (input, given) in inputs.iter_mut().zip(given) {
-                *input = match *given {
-                    LineInput::Number(x) => LineRanges::number(s, x),
-                    LineInput::Coordinate { origin, direction } => {
-                        let from = LaneBounds::point(Vector::load(s, origin, part));
-                        let rate = LaneBounds::point(Vector::load(s, direction, part));
-                        LineRanges::coordinate(s, from, rate, times)
-                    }
-                    LineInput::Bundle { origin, direction } => {
-                        let [from, rate] = [origin, direction].map(|[lower, upper]| LaneBounds {
-                            lower: Vector::splat(s, lower),
-                            upper: Vector::splat(s, upper),
-                        });
-                        LineRanges::coordinate(s, from, rate, times)
-                    }
-                };
+                *input = input_ranges(s, given, part, times);
                 known.note(input);
             }
             waves.fill(None);
@@ -175,94 +190,123 @@ impl VectorWork for OnLines<'_> {
                 if !known.bounded.any() {
                     break;
                 }
-                let found = match instruction.operation {
-                    TapeOperation::Unary(op @ (Unary::Sin | Unary::Cos), a) => {
-                        let seen: Option<[LineRanges<S>; 2]> = match a {
-                            Operand::Input(input) => waves[input as usize],
-                            _ => None,
-                        };
-                        let found = match seen {
-                            Some(found) => found,
-                            None => read(s, &registers, &inputs, a).waves(s),
-                        };
-                        if let Operand::Input(input) = a {
-                            waves[input as usize] = Some(found);
-                        }
-                        let [sine, cosine] = found;
-                        if op == Unary::Sin { sine } else { cosine }
-                    }
-                    TapeOperation::Unary(op, a) => {
-                        let a = read(s, &registers, &inputs, a);
-                        match op {
-                            Unary::Neg => a.negative(),
-                            Unary::Abs => a.size(s),
-                            _ => a.elementary(s, op, &mut known),
-                        }
-                    }
-                    TapeOperation::Binary(Binary::Mul, a, b) if a == b => {
-                        read(s, &registers, &inputs, a).square(s)
-                    }
-                    TapeOperation::Binary(op, a, b) => {
-                        let a = read(s, &registers, &inputs, a);
-                        let b = read(s, &registers, &inputs, b);
-                        match op {
-                            Binary::Add => a.sum(s, b),
-                            Binary::Sub => a.sum(s, b.negative()),
-                            Binary::Mul => a.product(s, b),
-                            Binary::Div => a.quotient(s, b),
-                            Binary::Max => a.greatest(b),
-                            Binary::Min => a.negative().greatest(b.negative()).negative(),
-                            // [`Tape::is_of_vectors`] is false for the others.
-                            _ => LineRanges::number(s, f64::NAN),
-                        }
-                    }
-                    TapeOperation::Power(a, n) => {
-                        let a = read(s, &registers, &inputs, a);
-                        match n {
-                            3 => a.cube(s),
-                            4 => a.square(s).square(s),
-                            // [`Tape::is_of_vectors`] is false for the others.
-                            _ => LineRanges::number(s, f64::NAN),
-                        }
-                    }
+                let values = OperandRanges {
+                    registers: &registers,
+                    inputs: &inputs,
                 };
+                let found = values.result(s, instruction.operation, &mut waves, &mut known);
                 known.note(&found);
                 registers[instruction.out as usize] = found;
             }
-            let found = read(s, &registers, &inputs, tape.roots[0]);
+            let values = OperandRanges {
+                registers: &registers,
+                inputs: &inputs,
+            };
+            let found = values.read(s, tape.roots[0]);
             known.note(&found);
-            let number = |x: f64| Vector::splat(s, x);
-            let [nothing, endless] = [f64::NAN, f64::INFINITY].map(number);
-            let KnownLines {
-                bounded,
-                sloped,
-                partial,
-                undefined,
-            } = known;
-            let lower = undefined.choose(endless, nothing);
-            let upper = undefined.choose(-endless, nothing);
-            let [a, b, c, d] = &mut out.bounds;
-            bounded.choose(found.value.lower, lower).store(a, part);
-            bounded.choose(found.value.upper, upper).store(b, part);
-            sloped.choose(found.slope.lower, nothing).store(c, part);
-            sloped.choose(found.slope.upper, nothing).store(d, part);
-            partial
-                .choose(number(1.0), number(0.0))
-                .store(&mut out.partial, part);
+            out.set_part(s, part, found, known);
         }
     }
 }
 
+/// Returns the values and slopes of an input in a part of the lanes, at these times.
 #[inline(always)]
-fn read<S: Instructions>(
+fn input_ranges<S: Instructions>(
     s: S,
-    registers: &[LineRanges<S>],
-    inputs: &[LineRanges<S>],
-    operand: Operand,
+    given: &LineInput<'_>,
+    part: usize,
+    times: LaneBounds<S>,
 ) -> LineRanges<S> {
-    match operand {
-        Operand::Constant(x) => LineRanges::number(s, x),
-        Operand::Input(position) => inputs[position as usize],
-        Operand::Register(register) => registers[register as usize],
+    match *given {
+        LineInput::Number(x) => LineRanges::number(s, x),
+        LineInput::Coordinate { origin, direction } => {
+            let from = LaneBounds::point(Vector::load(s, origin, part));
+            let rate = LaneBounds::point(Vector::load(s, direction, part));
+            LineRanges::coordinate(s, from, rate, times)
+        }
+        LineInput::Bundle { origin, direction } => {
+            let [from, rate] = [origin, direction].map(|[lower, upper]| LaneBounds {
+                lower: Vector::splat(s, lower),
+                upper: Vector::splat(s, upper),
+            });
+            LineRanges::coordinate(s, from, rate, times)
+        }
+    }
+}
+
+/// The values and slopes that instructions read.
+struct OperandRanges<'a, S: Instructions> {
+    registers: &'a [LineRanges<S>],
+    inputs: &'a [LineRanges<S>],
+}
+
+impl<S: Instructions> OperandRanges<'_, S> {
+    /// Returns the result of an operation; `waves` keeps the sines and cosines of inputs.
+    #[inline(always)]
+    fn result(
+        &self,
+        s: S,
+        operation: TapeOperation,
+        waves: &mut [Option<[LineRanges<S>; 2]>],
+        known: &mut KnownLines<S>,
+    ) -> LineRanges<S> {
+        match operation {
+            TapeOperation::Unary(op @ (Unary::Sin | Unary::Cos), a) => {
+                let seen: Option<[LineRanges<S>; 2]> = match a {
+                    Operand::Input(input) => waves[input as usize],
+                    _ => None,
+                };
+                let found = match seen {
+                    Some(found) => found,
+                    None => self.read(s, a).waves(s),
+                };
+                if let Operand::Input(input) = a {
+                    waves[input as usize] = Some(found);
+                }
+                let [sine, cosine] = found;
+                if op == Unary::Sin { sine } else { cosine }
+            }
+            TapeOperation::Unary(op, a) => {
+                let a = self.read(s, a);
+                match op {
+                    Unary::Neg => a.negative(),
+                    Unary::Abs => a.size(s),
+                    _ => a.elementary(s, op, known),
+                }
+            }
+            TapeOperation::Binary(Binary::Mul, a, b) if a == b => self.read(s, a).square(s),
+            TapeOperation::Binary(op, a, b) => {
+                let a = self.read(s, a);
+                let b = self.read(s, b);
+                match op {
+                    Binary::Add => a.sum(s, b),
+                    Binary::Sub => a.sum(s, b.negative()),
+                    Binary::Mul => a.product(s, b),
+                    Binary::Div => a.quotient(s, b),
+                    Binary::Max => a.greatest(b),
+                    Binary::Min => a.negative().greatest(b.negative()).negative(),
+                    // [`Tape::is_of_vectors`] is false for the others.
+                    _ => LineRanges::number(s, f64::NAN),
+                }
+            }
+            TapeOperation::Power(a, n) => {
+                let a = self.read(s, a);
+                match n {
+                    3 => a.cube(s),
+                    4 => a.square(s).square(s),
+                    // [`Tape::is_of_vectors`] is false for the others.
+                    _ => LineRanges::number(s, f64::NAN),
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, s: S, operand: Operand) -> LineRanges<S> {
+        match operand {
+            Operand::Constant(x) => LineRanges::number(s, x),
+            Operand::Input(position) => self.inputs[position as usize],
+            Operand::Register(register) => self.registers[register as usize],
+        }
     }
 }
