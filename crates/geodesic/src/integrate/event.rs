@@ -17,6 +17,16 @@ pub(super) enum Event {
     NearestToApex,
 }
 
+/// The place of an event in a step.
+enum Located {
+    /// At the end of this step, of this size.
+    At(f64, RayStep),
+    /// Beyond the step's end.
+    Beyond,
+    /// No step towards it succeeds.
+    Nowhere,
+}
+
 impl Ray<'_, '_> {
     /// Returns an event that may be within a step, and a fraction of the step after which it has happened: for an edge, the
     /// first sample of the interpolated step later than `after` that is beyond it.
@@ -86,17 +96,38 @@ impl Ray<'_, '_> {
         (value, rate * self.pace(state, pace))
     }
 
-    /// Locates an event by bracketed Newton's method on the step's size, as accurately as the steps. `None` if the step of
-    /// size `h` does not in fact reach the edge: only the interpolation crossed it.
+    /// Ends a step of size `h` at an event. `None` if the step does not in fact reach the edge: only the interpolation crossed
+    /// it.
     pub(super) fn end_at(
         &mut self,
-        event: Event,
+        mut event: Event,
         h: f64,
         pace: StepParameter,
         length: f64,
     ) -> Option<Attempt> {
-        let scale = self.atlas.layout.scale.size.min(length);
-        let rounding = self.rounding();
+        let mut most = h;
+        loop {
+            let (at, step) = match self.locate_event(event, most, pace) {
+                Located::At(at, step) => (at, step),
+                Located::Beyond => return None,
+                Located::Nowhere => {
+                    return Some(Attempt::Ended(stalled_at(self.atlas, self.plain().at)));
+                }
+            };
+            if let Event::Edge(edge) = event
+                && let Some(earlier) = self.atlas.layout.beyond_edge(step.end.at)
+                && earlier != edge
+            {
+                // Near a corner both edges are crossed between two samples.
+                (event, most) = (Event::Edge(earlier), at);
+                continue;
+            }
+            return Some(self.arrive(event, (at, &step), h, pace, length));
+        }
+    }
+
+    /// Locates an event by bracketed Newton's method on the step's size, as accurately as the steps.
+    fn locate_event(&mut self, event: Event, h: f64, pace: StepParameter) -> Located {
         let (mut low, mut high) = (0.0, h);
         // True if the event is known to be within the bracket: at first only the interpolated step suggests it.
         let mut is_sure = matches!(event, Event::NearestToApex);
@@ -118,7 +149,7 @@ impl Ray<'_, '_> {
             if value > 0.0 {
                 (high, is_sure) = (at, true);
             } else if at >= high && !is_sure {
-                return None;
+                return Located::Beyond;
             } else {
                 low = at;
             }
@@ -138,37 +169,41 @@ impl Ray<'_, '_> {
                 break;
             }
         }
-        let Some((at, step)) = best else {
-            return Some(Attempt::Ended(stalled_at(self.atlas, self.plain().at)));
-        };
-        if let Event::Edge(edge) = event
-            && let Some(earlier) = self.atlas.layout.beyond_edge(step.end.at)
-            && earlier != edge
-        {
-            // Near a corner both edges are crossed between two samples.
-            return self.end_at(Event::Edge(earlier), at, pace, length);
-        }
+        best.map_or(Located::Nowhere, |(at, step)| Located::At(at, step))
+    }
+
+    /// Takes a step of size `at` to an event; `h` is the size of the step that was attempted.
+    fn arrive(
+        &mut self,
+        event: Event,
+        (at, step): (f64, &RayStep),
+        h: f64,
+        pace: StepParameter,
+        length: f64,
+    ) -> Attempt {
+        let rounding = self.rounding();
+        let scale = self.atlas.layout.scale.size.min(length);
         // At the very end only the direction is needed: the last local data suffice at a tip.
-        let local = self.local_after(&step).unwrap_or(self.local);
+        let local = self.local_after(step).unwrap_or(self.local);
         if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart)
             && !chart.is_hit_at(step.end.at)
         {
             // A near miss: the step ends at the nearest point, from which the next step leads away.
-            self.accept(&step, local, at, pace, rounding, scale);
+            self.accept(step, local, at, pace, rounding, scale);
             // Slightly past the nearest point, so that it is not met again.
             let ([a, b], [x, y]) = (self.state.at, self.state.velocity);
             if a * x + b * y < 0.0 {
                 let along = (a * x + b * y) / (x * x + y * y);
                 self.state.at = [a - along * x, b - along * y];
             }
-            return Some(if self.enter_next_chart() {
+            return if self.enter_next_chart() {
                 Attempt::Accepted(Some(h))
             } else {
                 Attempt::Ended(stalled_at(self.atlas, self.plain().at))
-            });
+            };
         }
-        self.accept(&step, local, at, pace, rounding, scale);
-        Some(Attempt::Ended(match event {
+        self.accept(step, local, at, pace, rounding, scale);
+        Attempt::Ended(match event {
             Event::NearestToApex => Status::ConePoint,
             Event::Edge(edge) if !self.atlas.layout.is_on(self.state.at, edge) => {
                 if self.affords_step() {
@@ -184,6 +219,6 @@ impl Ray<'_, '_> {
                     None => Status::LeftDomain,
                 }
             }
-        }))
+        })
     }
 }
