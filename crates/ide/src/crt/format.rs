@@ -14,6 +14,7 @@ use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
 use super::CrtAnalysis;
+use super::names::ScriptNames;
 use crate::edit::{Edit, apply};
 use crate::text::Text;
 
@@ -63,6 +64,45 @@ struct OpenBracket {
     is_brace: bool,
 }
 
+/// The places where lines begin.
+struct LineStarts {
+    /// Those of statements and attributes.
+    all: HashSet<u32>,
+    /// Those that have a line of their own: the attributes of objects with several attributes, and the closing braces of
+    /// these objects.
+    alone: HashSet<u32>,
+}
+
+impl LineStarts {
+    fn of(names: &ScriptNames) -> Self {
+        let mut all: HashSet<u32> = names.starts.iter().copied().collect();
+        let mut alone: HashSet<u32> = HashSet::new();
+        for object in &names.objects {
+            let attributes = object.attributes.iter().map(|(span, _)| span.start);
+            all.extend(attributes.clone());
+            if object.attributes.len() > 1 {
+                alone.extend(attributes);
+                alone.insert(object.braces.end.saturating_sub(1));
+            }
+        }
+        Self { all, alone }
+    }
+}
+
+/// Returns the indentation of a line in a bracket, or in none, that begins with this token; `is_start` is true if the token
+/// begins a statement or an attribute.
+fn indentation_of(token: Token, bracket: Option<&OpenBracket>, is_start: bool) -> usize {
+    let closes = is_closer(token.kind);
+    let begins = is_start || matches!(token.kind, TokenKind::Comment | TokenKind::Else);
+    match bracket {
+        Some(bracket) if closes => bracket.outside,
+        Some(bracket) if !bracket.is_brace || begins => bracket.inside,
+        Some(bracket) => bracket.inside + LEVEL,
+        None if begins || closes => 0,
+        None => LEVEL,
+    }
+}
+
 /// Formats a text. The lines that begin at `continuing` have a warning: they remain in the column of their statement, so that
 /// the warning remains.
 fn lay_out(
@@ -73,17 +113,7 @@ fn lay_out(
 ) -> Vec<Edit> {
     let new_line = new_line(text);
     let names = analysis.names();
-    let mut starts: HashSet<u32> = names.starts.iter().copied().collect();
-    // The attributes of objects with several attributes, and the closing braces of these objects, are on lines of their
-    // own.
-    let mut own_lines: HashSet<u32> = HashSet::new();
-    for object in &names.objects {
-        starts.extend(object.attributes.iter().map(|(span, _)| span.start));
-        if object.attributes.len() > 1 {
-            own_lines.extend(object.attributes.iter().map(|(span, _)| span.start));
-            own_lines.insert(object.braces.end.saturating_sub(1));
-        }
-    }
+    let line_starts = LineStarts::of(names);
     let modifier_ends: HashSet<u32> = names.modifier_ends.iter().copied().collect();
     let mut edits = Vec::new();
     let mut open: Vec<OpenBracket> = Vec::new();
@@ -97,32 +127,12 @@ fn lay_out(
         let old = gap.text(text);
         let breaks = old.matches('\n').count();
         let closes = is_closer(token.kind);
-        let is_own = own_lines.contains(&start);
+        let is_own = line_starts.alone.contains(&start);
         let new = match previous {
             None => old.chars().filter(|c| *c == '\u{FEFF}').collect(),
             Some(_) if breaks > 0 || is_own => {
-                indentation = match open.last() {
-                    Some(bracket) if closes => bracket.outside,
-                    Some(bracket)
-                        if !bracket.is_brace
-                            || token.kind == TokenKind::Comment
-                            || token.kind == TokenKind::Else
-                            || starts.contains(&start)
-                            || continuing.contains(&start) =>
-                    {
-                        bracket.inside
-                    }
-                    Some(bracket) => bracket.inside + LEVEL,
-                    None if token.kind == TokenKind::Comment
-                        || token.kind == TokenKind::Else
-                        || starts.contains(&start)
-                        || continuing.contains(&start)
-                        || closes =>
-                    {
-                        0
-                    }
-                    None => LEVEL,
-                };
+                let is_start = line_starts.all.contains(&start) || continuing.contains(&start);
+                indentation = indentation_of(token, open.last(), is_start);
                 let lines = if breaks > 1 && !closes { 2 } else { 1 };
                 format!("{}{}", new_line.repeat(lines), " ".repeat(indentation))
             }
