@@ -53,26 +53,7 @@ impl Declarations {
             set = self.lowerer.lower_set(body, &mut self.found).0;
             self.lowerer.renames_parts = false;
         }
-        let (mut set, cuts) = (set?, cuts?);
-        let mut uncut = None;
-        if !is_set {
-            for leaf in &mut Arc::make_mut(&mut set.solid).leaves {
-                leaf.cuts = cuts;
-            }
-        } else if cuts.iter().any(Option::is_some) {
-            let graph = &mut self.lowerer.graph;
-            let leaf = SolidLeaf {
-                name: declaration.name.to_owned(),
-                name_span: declaration.name_span,
-                field: graph.constant(EVERYWHERE),
-                cuts,
-                map: AffineNodes::identity(graph),
-                attributes: Arc::default(),
-            };
-            uncut = Some(Arc::clone(&set.solid));
-            let cut = set.joined(PointSet::leaf(leaf), SolidStep::Intersection);
-            set = self.sound(cut, declaration.name_span)?;
-        }
+        let (mut set, uncut) = self.cut(declaration, set?, cuts?)?;
         if !attributes.is_empty() {
             set.state(&attributes);
         }
@@ -83,16 +64,7 @@ impl Declarations {
         set.solid = self.closed_at(set.solid, dependencies);
         let instances = self.close(&mut set, dependencies);
         set.size = set.size.saturating_mul(instances);
-        if set.size > MAX_LEAVES {
-            let error = too_many_leaves(set.size);
-            self.found.push(error.at(declaration.name_span));
-            return None;
-        }
-        if !self.is_checker && self.leaves + set.size > MAX_LEAVES {
-            let error = too_many_leaves_in_all(set.size, self.leaves);
-            self.found.push(error.at(declaration.name_span));
-            return None;
-        }
+        self.check_leaves(declaration, set.size)?;
         let params = self.without_grids(dependencies);
         let size = set.size;
         let parameters = match is_set {
@@ -127,6 +99,51 @@ impl Declarations {
             drawn
         });
         Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// Applies the intervals of x, y and z: to the leaf of a function, or to a set as a whole. Returns also the uncut solid of
+    /// a set that is cut.
+    fn cut(
+        &mut self,
+        declaration: &Declaration<'_>,
+        mut set: PointSet,
+        cuts: Cuts,
+    ) -> Option<(PointSet, Option<Arc<Solid>>)> {
+        if !declaration.parameters.is_empty() {
+            for leaf in &mut Arc::make_mut(&mut set.solid).leaves {
+                leaf.cuts = cuts;
+            }
+            return Some((set, None));
+        }
+        if cuts.iter().all(Option::is_none) {
+            return Some((set, None));
+        }
+        let graph = &mut self.lowerer.graph;
+        let leaf = SolidLeaf {
+            name: declaration.name.to_owned(),
+            name_span: declaration.name_span,
+            field: graph.constant(EVERYWHERE),
+            cuts,
+            map: AffineNodes::identity(graph),
+            attributes: Arc::default(),
+        };
+        let uncut = Arc::clone(&set.solid);
+        let cut = set.joined(PointSet::leaf(leaf), SolidStep::Intersection);
+        Some((self.sound(cut, declaration.name_span)?, Some(uncut)))
+    }
+
+    /// Reports a solid with this number of leaves as an error and returns `None` if it has too many of them, by itself or with
+    /// all solids before it.
+    fn check_leaves(&mut self, declaration: &Declaration<'_>, size: u64) -> Option<()> {
+        let error = if size > MAX_LEAVES {
+            too_many_leaves(size)
+        } else if !self.is_checker && self.leaves + size > MAX_LEAVES {
+            too_many_leaves_in_all(size, self.leaves)
+        } else {
+            return Some(());
+        };
+        self.found.push(error.at(declaration.name_span));
+        None
     }
 
     /// Returns a solid given by a function of two or three numbers.
