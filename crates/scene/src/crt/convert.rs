@@ -8,7 +8,12 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
 
-use geodesic::vector::{cross, dot, norm};
+use coordinates::{geotrace, half_space, swapped, upright};
+use geodesic::vector::{cross, dot};
+use text::{affine, brightest, linear, look, number, radians, signed, tuple};
+
+mod coordinates;
+mod text;
 
 use super::build;
 use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape};
@@ -117,12 +122,6 @@ enum WriteStep<'a> {
     Join(SetOperation),
 }
 
-/// A half-space in Geotrace's coordinates: the points p with normal·p ≤ offset.
-struct HalfSpace {
-    normal: [f64; 3],
-    offset: f64,
-}
-
 struct Writer<'w> {
     /// Returns true for names that the language leaves available.
     is_free: NameTest<'w>,
@@ -192,37 +191,8 @@ impl<'w> Writer<'w> {
         let mut done: Vec<SetText> = Vec::new();
         let mut work = vec![WriteStep::Entity(entity, Map::IDENTITY)];
         while let Some(next) = work.pop() {
-            match next {
-                WriteStep::Join(operation) => {
-                    let (Some(b), Some(a)) = (done.pop(), done.pop()) else {
-                        return;
-                    };
-                    let joined = self.joined(operation, a, b);
-                    done.push(joined);
-                }
-                WriteStep::Entity(entity, around) => {
-                    let map = around.after(&entity.map);
-                    match entity.node() {
-                        Some(Node::Set(operation, a, b)) => {
-                            work.push(WriteStep::Join(*operation));
-                            work.push(WriteStep::Entity(b, map));
-                            work.push(WriteStep::Entity(a, map));
-                        }
-                        Some(Node::Object(object)) => {
-                            let Some(mut leaf) = self.leaf(object, object.first, &map) else {
-                                return;
-                            };
-                            if let Some((operation, shape, own)) = object.second {
-                                let Some(other) = self.leaf(object, (shape, own), &map) else {
-                                    return;
-                                };
-                                leaf = self.joined(operation, leaf, other);
-                            }
-                            done.push(leaf);
-                        }
-                        None => return,
-                    }
-                }
+            if self.step(next, &mut work, &mut done).is_none() {
+                return;
             }
         }
         let Some(mut whole) = done.pop() else {
@@ -240,6 +210,41 @@ impl<'w> Writer<'w> {
             });
         }
         self.named(whole);
+    }
+
+    /// Takes a step: replaces a set by its operands, adds a leaf or joins the last two parts. `None` if the set is not drawn.
+    fn step<'a>(
+        &mut self,
+        step: WriteStep<'a>,
+        work: &mut Vec<WriteStep<'a>>,
+        done: &mut Vec<SetText>,
+    ) -> Option<()> {
+        match step {
+            WriteStep::Join(operation) => {
+                let (b, a) = (done.pop()?, done.pop()?);
+                let joined = self.joined(operation, a, b);
+                done.push(joined);
+            }
+            WriteStep::Entity(entity, around) => {
+                let map = around.after(&entity.map);
+                match entity.node()? {
+                    Node::Set(operation, a, b) => {
+                        work.push(WriteStep::Join(*operation));
+                        work.push(WriteStep::Entity(b, map));
+                        work.push(WriteStep::Entity(a, map));
+                    }
+                    Node::Object(object) => {
+                        let mut leaf = self.leaf(object, object.first, &map)?;
+                        if let Some((operation, shape, own)) = object.second {
+                            let other = self.leaf(object, (shape, own), &map)?;
+                            leaf = self.joined(operation, leaf, other);
+                        }
+                        done.push(leaf);
+                    }
+                }
+            }
+        }
+        Some(())
     }
 
     /// Declares a set and returns its name.
@@ -560,44 +565,6 @@ impl<'w> Writer<'w> {
     }
 }
 
-/// Returns the maximum component of a material's colour, at least 1.
-fn brightest(material: &Material) -> f64 {
-    let parts = material.color.iter();
-    parts.fold(1.0f64, |most, part| most.max(*part))
-}
-
-/// Returns the attributes of a material, for a solid or else for a surface.
-///
-/// A colour above 1, which attributes do not allow, is divided by its maximum component, and the light that it reflects is
-/// multiplied by it; the light transmitted through glass is not.
-fn look(material: &Material, is_solid: bool) -> String {
-    let most = brightest(material);
-    let color = material.color.map(|part| (part / most).max(0.0));
-    let usual = (1.0 - material.reflectivity - material.transparency).max(0.0);
-    let diffuse = most * material.diffuse.unwrap_or(usual);
-    let mut text = format!("color : {}", tuple(color));
-    let mut state = |word: &str, value: f64| {
-        let _ = write!(text, ", {word} : {}", number(value));
-    };
-    if diffuse != usual {
-        state("diffuse", diffuse);
-    }
-    state("specular", most * material.specularity);
-    if material.specularity > 0.0 {
-        state("shininess", material.shininess);
-    }
-    if material.reflectivity > 0.0 {
-        state("mirror", material.reflectivity);
-    }
-    if material.transparency > 0.0 {
-        state("glass", material.transparency);
-        if is_solid {
-            state("ior", material.refractiveindex);
-        }
-    }
-    text
-}
-
 /// Returns the name of the emitted variable; `None` if there is none.
 fn label(entity: &Entity) -> Option<&str> {
     let (label, _) = entity.label.as_ref()?;
@@ -608,128 +575,4 @@ fn label(entity: &Entity) -> Option<&str> {
 fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic())
         && text.chars().all(|c| c.is_ascii_alphanumeric())
-}
-
-/// Returns the Geotrace coordinates of a point of the script.
-fn geotrace([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [x, z, y]
-}
-
-/// Returns the map in Geotrace's coordinates.
-fn swapped(map: &Map) -> Map {
-    let Map([x, y, z]) = *map;
-    Map([x, z, y])
-}
-
-/// Returns the half-space into which a map takes z ≤ 0; `None` if the map has no inverse.
-fn half_space(map: &Map) -> Option<HalfSpace> {
-    let column = |k: usize| map.0.map(|row| row[k]);
-    let [x, y, z] = [0, 1, 2].map(column);
-    // The normal is perpendicular to the images of x and y, on the side of z.
-    let normal = vector::unit(cross(x, y))?;
-    let height = dot(normal, z);
-    let normal = vector::scaled(normal, height.signum());
-    let offset = dot(normal, column(3));
-    (height != 0.0 && offset.is_finite()).then_some(HalfSpace { normal, offset })
-}
-
-/// Returns a map with the same image of a shape, without a rotation about the shape's own axis, if it has one.
-fn upright(shape: UnitShape, map: &Map) -> Map {
-    let column = |k: usize| map.0.map(|row| row[k]);
-    let [x, y, z, at] = [0, 1, 2, 3].map(column);
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * (a.abs() + b.abs());
-    let [a, b, c] = [x, y, z].map(norm);
-    let is_flat = |v: [f64; 3]| near(v[2] + a, a);
-    let are_across = near(dot(x, y) + a * b, a * b);
-    let is_round = near(a, b) && are_across;
-    match shape {
-        UnitShape::Ball
-            if is_round
-                && near(b, c)
-                && near(dot(x, z) + a * c, a * c)
-                && near(dot(y, z) + b * c, b * c) =>
-        {
-            Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], [0.0, 0.0, a]], at)
-        }
-        UnitShape::Cylinder | UnitShape::Cone | UnitShape::Torus(_)
-            if is_round && is_flat(x) && is_flat(y) && z[0] == 0.0 && z[1] == 0.0 && z[2] > 0.0 =>
-        {
-            Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], z], at)
-        }
-        // Its centre and its faces remain.
-        UnitShape::Cube => {
-            let columns = [x, y, z];
-            let along = |k: usize| {
-                let own = columns.iter().find(|column| column[k] != 0.0)?;
-                let alone = (0..3).all(|j| j == k || own[j] == 0.0);
-                let single = columns.iter().filter(|column| column[k] != 0.0).count() == 1;
-                (alone && single).then_some(own[k].abs())
-            };
-            match [along(0), along(1), along(2)] {
-                [Some(a), Some(b), Some(c)] => {
-                    Map::columns([[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]], at)
-                }
-                _ => *map,
-            }
-        }
-        _ => *map,
-    }
-}
-
-/// Returns a number in the syntax of a program, with as many digits as it needs.
-fn number(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let text = format!("{value:?}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
-}
-
-/// Returns `+ 1` or `- 1`.
-fn signed(value: f64) -> String {
-    let sign = if value < 0.0 { '-' } else { '+' };
-    format!("{sign} {}", number(value.abs()))
-}
-
-fn tuple(values: [f64; 3]) -> String {
-    format!("({})", values.map(number).join(", "))
-}
-
-/// Returns degrees as radians.
-fn radians(degrees: f64) -> String {
-    format!("{}pi/180", number(degrees))
-}
-
-fn affine(factors: [f64; 3], constant: f64) -> String {
-    let [a, b, c] = factors;
-    linear(&[(a, "x"), (b, "y"), (c, "z")], constant)
-}
-
-/// Returns a sum of multiples of variables and a constant.
-fn linear(terms: &[(f64, &str)], constant: f64) -> String {
-    let mut text = String::new();
-    let mut add = |value: f64, variable: &str| {
-        if value == 0.0 {
-            return;
-        }
-        let sign = match (text.is_empty(), value < 0.0) {
-            (true, false) => "",
-            (true, true) => "-",
-            (false, false) => " + ",
-            (false, true) => " - ",
-        };
-        text.push_str(sign);
-        if variable.is_empty() || value.abs() != 1.0 {
-            text.push_str(&number(value.abs()));
-        }
-        text.push_str(variable);
-    };
-    for (factor, variable) in terms {
-        add(*factor, variable);
-    }
-    add(constant, "");
-    if text.is_empty() {
-        text.push('0');
-    }
-    text
 }
