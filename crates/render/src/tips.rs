@@ -31,7 +31,7 @@ pub(crate) fn tips(
     if !half.cmpgt(DVec3::ZERO).all() {
         return Vec::new();
     }
-    let frame = DAffine3::from_mat3_translation(DMat3::from_diagonal(half), bounds.center());
+    let frame = DAffine3::from_mat3_translation(DMat3::from_diagonal(half), bounds.centre());
     let into = frame.inverse();
     let places = found.iter().map(|crossing| {
         let normal = (half * crossing.normal).normalize_or_zero();

@@ -89,8 +89,8 @@ impl BoundingBox {
 
     /// Returns the centre and half the side lengths; these contain the box despite rounding.
     pub(crate) fn middle(&self) -> [DVec3; 2] {
-        let center = self.center();
-        [center, (self.upper - center).max(center - self.lower)]
+        let centre = self.centre();
+        [centre, (self.upper - centre).max(centre - self.lower)]
     }
 
     /// Returns the intersection of both.
@@ -107,7 +107,7 @@ impl BoundingBox {
     }
 
     /// Returns the centre.
-    pub fn center(&self) -> DVec3 {
+    pub fn centre(&self) -> DVec3 {
         0.5 * (self.lower + self.upper)
     }
 
@@ -127,15 +127,15 @@ impl BoundingBox {
                 upper: map.translation + upper + slack[1],
             };
         }
-        let (center, half) = (self.center(), 0.5 * (self.upper - self.lower));
+        let (centre, half) = (self.centre(), 0.5 * (self.upper - self.lower));
         let reach = columns.x_axis.abs() * half.x
             + columns.y_axis.abs() * half.y
             + columns.z_axis.abs() * half.z;
-        let center = map.transform_point3(center);
-        let slack = 1e-12 * (center.abs() + reach);
+        let centre = map.transform_point3(centre);
+        let slack = 1e-12 * (centre.abs() + reach);
         Self {
-            lower: center - reach - slack,
-            upper: center + reach + slack,
+            lower: centre - reach - slack,
+            upper: centre + reach + slack,
         }
     }
 

@@ -74,22 +74,22 @@ impl Hierarchy {
             let Hierarchy { order, boxes, .. } = &mut hierarchy;
             let range = &mut order[from..to];
             let mut bounds = BoundingBox::EMPTY;
-            let mut centers = BoundingBox::EMPTY;
+            let mut centres = BoundingBox::EMPTY;
             for &k in range.iter() {
                 let one = &boxes[k as usize];
                 bounds = bounds.union(one);
-                let center = one.center();
-                centers.lower = centers.lower.min(center);
-                centers.upper = centers.upper.max(center);
+                let centre = one.centre();
+                centres.lower = centres.lower.min(centre);
+                centres.upper = centres.upper.max(centre);
             }
-            let spread = centers.upper - centers.lower;
+            let spread = centres.upper - centres.lower;
             let few = range.len() <= FEW || spread.max_element() <= 0.0;
             if !few {
                 let axis = (0..3)
                     .max_by(|&j, &k| spread[j].total_cmp(&spread[k]))
                     .unwrap_or(0);
                 let middle = range.len() / 2;
-                let key = |k: &u32| boxes[*k as usize].center()[axis];
+                let key = |k: &u32| boxes[*k as usize].centre()[axis];
                 range.select_nth_unstable_by(middle, |a, b| {
                     key(a).total_cmp(&key(b)).then(a.cmp(b))
                 });

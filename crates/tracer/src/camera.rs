@@ -45,7 +45,7 @@ pub(crate) struct CameraFrame {
     /// The tangent of half the vertical opening.
     tangent: f64,
     /// The picture's middle, in pixels.
-    center: [f64; 2],
+    centre: [f64; 2],
     /// The side of a pixel, the picture's height being 2.
     pixel: f64,
 }
@@ -193,7 +193,7 @@ impl LensCamera {
             camera: *self,
             axes: self.axes(),
             tangent: (0.5 * self.fov).tan(),
-            center: size.map(|side| 0.5 * f64::from(side)),
+            centre: size.map(|side| 0.5 * f64::from(side)),
             pixel: 2.0 / f64::from(size[1]),
         }
     }
@@ -311,8 +311,8 @@ impl CameraFrame {
         let number = |number: f64| Vector::splat(s, number);
         let [right, up, forward] = self.axes.map(|axis| axis.to_array().map(number));
         // From −1 to 1 over the picture's height.
-        let across = (x - number(self.center[0])) * number(self.pixel);
-        let upward = (number(self.center[1]) - y) * number(self.pixel);
+        let across = (x - number(self.centre[0])) * number(self.pixel);
+        let upward = (number(self.centre[1]) - y) * number(self.pixel);
         let angular = |place: Vector<S>| (number(0.5 * camera.fov) * place).sin_cos().0;
         let across = match camera.projection {
             LensProjection::Pinhole => number(self.tangent) * across,

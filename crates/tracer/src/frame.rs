@@ -14,21 +14,21 @@ const FLATTEST: f64 = 1e-9;
 
 /// Returns the box around the centres of the polynomials that bound a region, enlarged to their size: of the polynomials of
 /// degree two or higher, or of the planes if there are no others. The box is a point if no polynomial determines a size.
-pub(crate) fn centers(region: &Region) -> BoundingBox {
+pub(crate) fn centres(region: &Region) -> BoundingBox {
     let [mut flat, mut curved] = [BoundingBox::EMPTY; 2];
     let mut rest = vec![region];
     while let Some(region) = rest.pop() {
         match region {
             Region::Polynomial(p) => {
-                let (center, half) = (center(p), size(p));
-                if center.is_finite() && half.is_finite() {
+                let (centre, half) = (centre(p), size(p));
+                if centre.is_finite() && half.is_finite() {
                     let all = if p.degree() > 1 {
                         &mut curved
                     } else {
                         &mut flat
                     };
-                    all.include(center - half);
-                    all.include(center + half);
+                    all.include(centre - half);
+                    all.include(centre + half);
                 }
             }
             Region::Field(..) => {}
@@ -44,10 +44,10 @@ pub(crate) fn centers(region: &Region) -> BoundingBox {
 
 /// Returns the frame of a shape whose polynomials have these centres. Along axes on which the extent is finite, it is the
 /// extent. `size` is half its side if nothing else determines one.
-pub(crate) fn frame(centers: &BoundingBox, extent: &BoundingBox, size: f64) -> BoundingBox {
+pub(crate) fn frame(centres: &BoundingBox, extent: &BoundingBox, size: f64) -> BoundingBox {
     let ends = |k: usize| extent.lower[k].is_finite() && extent.upper[k].is_finite();
-    let [mut center, mut half] = centers.middle();
-    let [own_center, own_half] = extent.middle();
+    let [mut centre, mut half] = centres.middle();
+    let [own_centre, own_half] = extent.middle();
     let most = |half: DVec3, on: bool| {
         let sides = (0..3).filter(|&k| ends(k) == on).map(|k| half[k]);
         sides.fold(0.0, f64::max)
@@ -55,14 +55,14 @@ pub(crate) fn frame(centers: &BoundingBox, extent: &BoundingBox, size: f64) -> B
     let sizes = [most(half, false), most(own_half, true), size];
     let endless = sizes.into_iter().find(|&size| size > 0.0).unwrap_or(1.0);
     for k in 0..3 {
-        (center[k], half[k]) = match ends(k) {
-            true => (own_center[k], own_half[k]),
-            false => (center[k], endless),
+        (centre[k], half[k]) = match ends(k) {
+            true => (own_centre[k], own_half[k]),
+            false => (centre[k], endless),
         };
     }
     BoundingBox {
-        lower: center - half,
-        upper: center + half,
+        lower: centre - half,
+        upper: centre + half,
     }
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn power_of_two(size: f64) -> f64 {
 
 /// Returns the point about which the terms of degree n − 1 are smallest: the centre of a quadric that has one, or the point
 /// of a plane nearest to the origin.
-fn center(p: &Polynomial) -> DVec3 {
+fn centre(p: &Polynomial) -> DVec3 {
     let degree = p.degree();
     let of_degree = |degree: usize| {
         let sum = |e: [u8; 3]| e.iter().map(|&e| usize::from(e)).sum::<usize>();
@@ -136,11 +136,11 @@ fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
 /// Returns the size at which, about the centre, the terms of the highest degree outweigh those of each lower one; 0 if there
 /// are no other terms.
 fn size(p: &Polynomial) -> f64 {
-    let center = center(p).to_array();
+    let centre = centre(p).to_array();
     let place = [0, 1, 2].map(|k| {
         let mut slopes = [0.0; 3];
         slopes[k] = 1.0;
-        Polynomial::linear(center[k], slopes)
+        Polynomial::linear(centre[k], slopes)
     });
     let mut sums = vec![0.0; p.degree() + 1];
     for (e, c) in p.compose(&place).terms() {
@@ -182,14 +182,14 @@ mod tests {
         let [x, y, z] = &at;
         let cone = x.times(y).plus(&z.times(z).scaled(-0.5));
         let cone = cone.plus(&x.times(z));
-        assert!((center(&cone) - DVec3::from_array(tip)).length() < 1e-12);
+        assert!((centre(&cone) - DVec3::from_array(tip)).length() < 1e-12);
         // A paraboloid has none along its axis, and a cubic that of its triple term.
         let bowl = polynomial(&[([2, 0, 0], 1.0), ([1, 0, 0], -2000.0), ([0, 0, 1], -1.0)]);
-        assert_eq!(center(&bowl), DVec3::new(1000.0, 0.0, 0.0));
+        assert_eq!(centre(&bowl), DVec3::new(1000.0, 0.0, 0.0));
         let cubic = polynomial(&[([3, 0, 0], 1.0), ([2, 0, 0], -30.0), ([0, 2, 0], 1.0)]);
-        assert!((center(&cubic) - DVec3::new(10.0, 0.0, 0.0)).length() < 1e-12);
+        assert!((centre(&cubic) - DVec3::new(10.0, 0.0, 0.0)).length() < 1e-12);
         let plane = polynomial(&[([1, 0, 0], 2.0), ([0, 0, 0], -3.0)]);
-        assert_eq!(center(&plane), DVec3::new(1.5, 0.0, 0.0));
+        assert_eq!(centre(&plane), DVec3::new(1.5, 0.0, 0.0));
         let sizes = [&cone, &bowl, &plane].map(size);
         assert_eq!(sizes[0], 0.0);
         assert_eq!(sizes[1], 1024.0);

@@ -278,13 +278,13 @@ impl Light {
     }
 
     /// Returns the vector to a point of the disc that the ball shows.
-    fn shining(&self, center: DVec3, [u, v]: [f64; 2]) -> DVec3 {
-        if self.size <= 0.0 || center == DVec3::ZERO {
-            return center;
+    fn shining(&self, centre: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+        if self.size <= 0.0 || centre == DVec3::ZERO {
+            return centre;
         }
-        let (across, along) = center.normalize().any_orthonormal_pair();
+        let (across, along) = centre.normalize().any_orthonormal_pair();
         let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
-        center + self.size * u.sqrt() * (cos * across + sin * along)
+        centre + self.size * u.sqrt() * (cos * across + sin * along)
     }
 }
 

@@ -36,12 +36,12 @@ pub(crate) enum LowEquation {
     },
 }
 
-/// A plane in world coordinates: its value is `normal`·(point − `center`) + `offset`.
+/// A plane in world coordinates: its value is `normal`·(point − `centre`) + `offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorldPlane {
     pub(crate) normal: DVec3,
     /// The centre of the leaf's frame: differences from it lose no digits far from the origin.
-    pub(crate) center: DVec3,
+    pub(crate) centre: DVec3,
     pub(crate) offset: f64,
 }
 
@@ -49,7 +49,7 @@ impl WorldPlane {
     fn new(leaf: &Leaf, normal: DVec3, offset: f64) -> Self {
         Self {
             normal: leaf.unit_from_world.matrix3.transpose() * normal,
-            center: leaf.unit_from_world.inverse().translation,
+            centre: leaf.unit_from_world.inverse().translation,
             offset,
         }
     }
@@ -61,7 +61,7 @@ impl WorldPlane {
         if leaving {
             return QuadraticChanges::of_linear([slope, 0.0]);
         }
-        let value = self.normal.dot(ray.origin - self.center) + self.offset;
+        let value = self.normal.dot(ray.origin - self.centre) + self.offset;
         QuadraticChanges::of_linear([value, slope])
     }
 }

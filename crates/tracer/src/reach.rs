@@ -64,17 +64,17 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
         return None;
     }
     let inverse = form.inverse();
-    let center = -(inverse * linear);
-    let square = -linear.dot(center) - constant;
+    let centre = -(inverse * linear);
+    let square = -linear.dot(centre) - constant;
     let sides = DVec3::new(inverse.x_axis.x, inverse.y_axis.y, inverse.z_axis.z) * square;
-    if !(square > 0.0 && sides.min_element() > 0.0 && sides.is_finite() && center.is_finite()) {
+    if !(square > 0.0 && sides.min_element() > 0.0 && sides.is_finite() && centre.is_finite()) {
         return None;
     }
     let half = DVec3::from_array(sides.to_array().map(f64::sqrt));
-    let half = half + MARGIN * (half + center.abs());
+    let half = half + MARGIN * (half + centre.abs());
     Some(BoundingBox {
-        lower: center - half,
-        upper: center + half,
+        lower: centre - half,
+        upper: centre + half,
     })
 }
 

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::field::{Field, FieldCompiler, FieldScratch};
-use crate::frame::{centers, frame};
+use crate::frame::{centres, frame};
 use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
 use crate::surface::PolynomialSurface;
@@ -26,7 +26,7 @@ pub(crate) struct Shape {
     /// The box outside which it has no point; some of its sides may be infinite.
     pub(crate) extent: BoundingBox,
     /// The box around the centres of the polynomials that bound it.
-    centers: BoundingBox,
+    centres: BoundingBox,
     /// The number of surfaces that bound it.
     pub(crate) pieces: usize,
 }
@@ -83,7 +83,7 @@ impl Shape {
             // The expression is read again in its frame.
             work.take(2 * terms as u64);
             pieces += region.pieces();
-            middles = centers(&region);
+            middles = centres(&region);
             let within = |bounds: BoundingBox| {
                 let [lower, upper] = [bounds.lower.to_array(), bounds.upper.to_array()];
                 [0, 1, 2].map(|k| {
@@ -118,7 +118,7 @@ impl Shape {
             cuts,
             field,
             extent,
-            centers: middles,
+            centres: middles,
             pieces,
         })
     }
@@ -146,15 +146,15 @@ impl Shape {
         }
         let frame = match self.bounds() {
             Some(bounds) => bounds,
-            None => frame(&self.centers, &self.extent, size),
+            None => frame(&self.centres, &self.extent, size),
         };
         let graph = compiler.graph;
         let uniform: &dyn Fn(Input) -> f64 = &|input| self.field.uniform(input);
-        let center = frame.center();
+        let centre = frame.centre();
         let half = 0.5 * (frame.upper - frame.lower);
         let least = (FLATTEST * half.max_element()).max(f64::MIN_POSITIVE);
         let half = half.max(DVec3::splat(if least.is_finite() { least } else { 1.0 }));
-        let frame = [0, 1, 2].map(|k| [center[k], half[k]]);
+        let frame = [0, 1, 2].map(|k| [centre[k], half[k]]);
         let (mut region, _) = region(graph, self.node, &|input| meaning(input, uniform, &frame));
         let whole = matches!(region, Region::Polynomial(_));
         let cuts = (0..3).filter_map(|k| self.cuts[k].map(|cut| (k, cut)));
@@ -184,7 +184,7 @@ impl Shape {
             region,
             pieces,
             is_whole: whole,
-            shape_from_unit: DAffine3::from_mat3_translation(DMat3::from_diagonal(half), center),
+            shape_from_unit: DAffine3::from_mat3_translation(DMat3::from_diagonal(half), centre),
         })
     }
 }
@@ -196,10 +196,10 @@ const UNITS: [[f64; 2]; 3] = [[0.0, 1.0]; 3];
 fn meaning(input: Input, uniform: &dyn Fn(Input) -> f64, frame: &[[f64; 2]; 3]) -> Polynomial {
     match input {
         Input::Variable(k @ 0..3) => {
-            let [center, half] = frame[k as usize];
+            let [centre, half] = frame[k as usize];
             let mut slopes = [0.0; 3];
             slopes[k as usize] = half;
-            Polynomial::linear(center, slopes)
+            Polynomial::linear(centre, slopes)
         }
         input => Polynomial::constant(uniform(input)),
     }

@@ -99,7 +99,7 @@ pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> 
         DVec3::new(0.339_816, -1.618_034, 0.732_051),
         DVec3::new(-1.141_593, 0.577_216, 1.324_718),
     ]
-    .map(|place| rest.center() + place * half);
+    .map(|place| rest.centre() + place * half);
     for (l, leaf) in leaves.iter().enumerate() {
         for (p, piece) in leaf.compiled.pieces.iter().enumerate() {
             let place = (l as u32, p as u32);

@@ -71,10 +71,10 @@ pub struct ComponentRow {
 pub struct LeafRow {
     /// Its number in the world.
     pub leaf: u32,
-    /// The map from positions relative to `center` to the frame of its polynomials.
+    /// The map from positions relative to `centre` to the frame of its polynomials.
     pub frame_from_world: DAffine3,
     /// A point in it, or near it.
-    pub center: DVec3,
+    pub centre: DVec3,
     /// The box within which rays are tested against it; `None` if it is unbounded.
     pub bounds: Option<BoundingBox>,
     /// The literal that is true where a ray meets the leaf.
@@ -194,7 +194,7 @@ impl World {
             origin: if self.hierarchy.bounds().is_empty() {
                 DVec3::ZERO
             } else {
-                self.hierarchy.bounds().center()
+                self.hierarchy.bounds().centre()
             },
             ..WorldTables::default()
         };
@@ -259,7 +259,7 @@ impl World {
             complemented: literal.is_complemented(),
         };
         let origin = tables.origin;
-        let center = leaf.unit_from_world.inverse().translation;
+        let centre = leaf.unit_from_world.inverse().translation;
         let bounds = self.own_box(leaf);
         let first_piece = tables.pieces.len() as u32;
         for k in 0..leaf.compiled.pieces.len() {
@@ -305,10 +305,10 @@ impl World {
         tables.leaves.push(LeafRow {
             leaf: number as u32,
             frame_from_world: DAffine3 {
-                translation: leaf.unit_from_world.transform_point3(center),
+                translation: leaf.unit_from_world.transform_point3(centre),
                 ..leaf.unit_from_world
             },
-            center: center - origin,
+            centre: centre - origin,
             bounds: bounds.map(|bounds| tables.moved(bounds)),
             gate: row(literals.gate),
             first_piece,

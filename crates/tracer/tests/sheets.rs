@@ -315,7 +315,7 @@ fn a_ray_costs_few_evaluations() {
     for (name, components, domain) in shapes() {
         let surface = sheet(&components, domain);
         let bounds = surface.bounds();
-        let (center, size) = (
+        let (centre, size) = (
             0.5 * (bounds.lower + bounds.upper),
             0.3 * (bounds.upper - bounds.lower).length(),
         );
@@ -323,7 +323,7 @@ fn a_ray_costs_few_evaluations() {
         let cast = |scratch: &mut SheetScratch| {
             let mut hits = 0;
             for ray in &rays {
-                let origin = center + size * ray.origin;
+                let origin = centre + size * ray.origin;
                 hits += surface.cast(scratch, origin, ray.direction, None).len();
             }
             hits
@@ -342,7 +342,7 @@ fn a_ray_costs_few_evaluations() {
         // Along the axes most boxes are left out at once too.
         for (k, ray) in rays.iter().enumerate() {
             let direction = DVec3::AXES[k % 3];
-            let origin = center + size * (ray.origin - 3.0 * direction);
+            let origin = centre + size * (ray.origin - 3.0 * direction);
             surface.cast(&mut scratch, origin, direction, None);
         }
         let met = (scratch.counters().met - after.met) as f64 / rays.len() as f64;
@@ -397,13 +397,13 @@ fn a_picture_divides_no_cell_twice() {
         let mut scratch = SheetScratch::default();
         let bounds = surface.bounds();
         let half = 0.5 * (bounds.upper - bounds.lower).max_element();
-        let eye = bounds.center() + 8.0 * half * DVec3::Z;
+        let eye = bounds.centre() + 8.0 * half * DVec3::Z;
         let mut picture = || {
             let before = scratch.counters();
             let mut hits = 0;
             for k in 0..80 * 80 {
                 let [x, y] = [k % 80, k / 80].map(|i| f64::from(i) / 40.0 - 0.9875);
-                let target = bounds.center() + half * DVec3::new(x, y, 0.0);
+                let target = bounds.centre() + half * DVec3::new(x, y, 0.0);
                 hits += surface.cast(&mut scratch, eye, target - eye, None).len();
             }
             let after = scratch.counters();

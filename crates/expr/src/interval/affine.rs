@@ -209,9 +209,9 @@ impl Affine {
             + first.lower.abs().max(first.upper.abs()) * self.size()
             + bend[1]
             - bend[0];
-        let center = middle(at) + 0.5 * (bend[0] + bend[1]);
+        let centre = middle(at) + 0.5 * (bend[0] + bend[1]);
         let slopes = self.slopes.map(|side| slope * side);
-        Self::new(value, center, slopes, error, size)
+        Self::new(value, centre, slopes, error, size)
     }
 
     /// The value of an operation on two numbers.

@@ -402,8 +402,8 @@ impl Interpreter<'_> {
 /// The maximum number of samples per pixel.
 const MAX_SAMPLES: u64 = 1 << 16;
 
-fn round(radius: f64, center: [f64; 3]) -> Map {
-    Map::translate(center).after(&Map::scale([radius; 3]))
+fn round(radius: f64, centre: [f64; 3]) -> Map {
+    Map::translate(centre).after(&Map::scale([radius; 3]))
 }
 
 /// Returns the map that takes z to a unit vector, with these lengths of the axes.

@@ -68,8 +68,8 @@ impl<S: Instructions> FramedLines<S> {
             splat(s, matrix.y_axis),
             splat(s, matrix.z_axis),
         ];
-        let center = splat(s, leaf.unit_from_world.translation);
-        let origin = sum(transformed(&columns, &rays.origin), center);
+        let centre = splat(s, leaf.unit_from_world.translation);
+        let origin = sum(transformed(&columns, &rays.origin), centre);
         let velocity = transformed(&columns, &rays.direction);
         let speed = dot(&velocity, &velocity).sqrt();
         let slowness = Vector::splat(s, 1.0) / speed;
@@ -225,7 +225,7 @@ pub(super) fn plane_changes<S: Instructions>(
     if is_left {
         return Changes::of_linear(s, [slope, Vector::splat(s, 0.0)]);
     }
-    let origin = difference(rays.origin, splat(s, plane.center));
+    let origin = difference(rays.origin, splat(s, plane.centre));
     let value = dot(&normal, &origin) + Vector::splat(s, plane.offset);
     Changes::of_linear(s, [value, slope])
 }

@@ -30,7 +30,7 @@ pub(super) struct Cell {
 /// A parallelogram that the image of a cell is near.
 #[derive(Clone, Copy, Debug)]
 struct CellPlane {
-    center: DVec3,
+    centre: DVec3,
     sides: [DVec3; 2],
     /// The most by which a place is off.
     error: DVec3,
@@ -64,7 +64,7 @@ impl Cell {
             sides,
             bounds: around(&place.map(|it| it.value())),
             plane: sound.then(|| CellPlane {
-                center: vector(&|it| it.middle()),
+                centre: vector(&|it| it.middle()),
                 sides: [0, 1].map(|k| vector(&|it| it.slopes()[k])),
                 error: vector(&|it| it.error()),
             }),
@@ -137,14 +137,14 @@ impl CellPlane {
     #[inline]
     fn meeting(&self, ray: &SheetRay, reach: f64) -> Option<Meeting> {
         let Self {
-            center,
+            centre,
             sides: [a, b],
             error,
         } = *self;
         let direction = ray.direction;
-        let offset = ray.origin - center;
+        let offset = ray.origin - centre;
         let size = offset.abs();
-        let error = error + ROUNDING * (ray.origin.abs() + center.abs() + size);
+        let error = error + ROUNDING * (ray.origin.abs() + centre.abs() + size);
         // Where the axis and the products with it have been rounded.
         let rounded = ROUNDING * size.element_sum() * ray.sum;
         // Along the ray.

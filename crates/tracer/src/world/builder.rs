@@ -275,14 +275,14 @@ impl<'a> WorldBuilder<'a> {
             }
         }
         if rest.is_empty() || rest.lower == rest.upper {
-            let center = if rest.is_empty() {
+            let centre = if rest.is_empty() {
                 DVec3::ZERO
             } else {
                 rest.lower
             };
             return BoundingBox {
-                lower: center - 1.0,
-                upper: center + 1.0,
+                lower: centre - 1.0,
+                upper: centre + 1.0,
             };
         }
         rest
@@ -499,10 +499,10 @@ fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
 /// Returns the box within which unbounded fields are searched.
 fn wide(rest: &BoundingBox) -> BoundingBox {
     let radius = 0.5 * (rest.upper - rest.lower).length();
-    let center = rest.center();
+    let centre = rest.centre();
     BoundingBox {
-        lower: center - RADII * radius,
-        upper: center + RADII * radius,
+        lower: centre - RADII * radius,
+        upper: centre + RADII * radius,
     }
 }
 

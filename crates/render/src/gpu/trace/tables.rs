@@ -179,7 +179,7 @@ fn leaf(tables: &SceneTables, row: &LeafRow) -> Leaf {
         row_x: with(axes.x_axis, map.translation.x),
         row_y: with(axes.y_axis, map.translation.y),
         row_z: with(axes.z_axis, map.translation.z),
-        centre: three(row.center),
+        centre: three(row.centre),
         first_piece: row.first_piece,
         lower,
         piece_count: row.piece_count,
