@@ -185,7 +185,7 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
     let params = ParamValues::initial(&scene);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| srgb(SOLID_COLOUR),
+        colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };

@@ -451,7 +451,7 @@ fn the_page_of_the_language_has_every_attribute_with_its_declarations_its_range_
         let on: Vec<&str> = row.on.iter().map(|keyword| keyword.text()).collect();
         let value = match row.value {
             AttributeType::Number(range) => range.text().unwrap_or("a number").to_owned(),
-            AttributeType::Color(range) => {
+            AttributeType::Colour(range) => {
                 let range = range.text().unwrap_or("a number");
                 format!("{range}, or three")
             }

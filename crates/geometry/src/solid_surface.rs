@@ -52,7 +52,7 @@ impl SolidSurface {
         let field = solid.field(&mut graph, &axes).map_err(too_large)?;
         let options = RaySceneOptions {
             shown: &|_| true,
-            color: &|_| DVec3::ONE,
+            colour: &|_| DVec3::ONE,
             thickness: None,
             picture_look: Default::default(),
         };

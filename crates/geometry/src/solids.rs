@@ -77,7 +77,7 @@ pub struct RaySceneOptions<'a> {
     /// True for the objects that rays meet.
     pub shown: &'a (dyn Fn(ObjectId) -> bool + Sync),
     /// The colour, in sRGB from 0 to 1, of objects without a stated one; solids and surfaces of glass are white.
-    pub color: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
+    pub colour: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
     /// The sizes of points, arrows and curves; if `None`, they are omitted.
     pub thickness: Option<Thickness>,
     /// The formulas of the picture.

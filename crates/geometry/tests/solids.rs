@@ -150,7 +150,7 @@ impl Writer {
     fn prepared_with(&self, params: &ParamValues) -> RayScene {
         let options = RaySceneOptions {
             shown: &|_| true,
-            color: &|_| srgb(SOLID_COLOUR),
+            colour: &|_| srgb(SOLID_COLOUR),
             thickness: Some(Thickness {
                 point: 0.1,
                 line: 0.05,
@@ -376,7 +376,7 @@ fn textures_and_bumps_move_along() {
     let outside = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
     // At (0, −1, 0) of its own: red is 0.5.
     let expected = linear(DVec3::new(0.5, 0.0, 0.0));
-    assert!(outside.color.distance(expected) < 1e-12);
+    assert!(outside.colour.distance(expected) < 1e-12);
     // The gradient (0, 0.1, 0.1) turns with the ball; seen from inside, the height leads away.
     assert!(outside.bump.distance(DVec3::new(-0.1, 0.0, 0.1)) < 1e-12);
     let inside = look(&scene, &ray([3.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
@@ -399,10 +399,10 @@ fn what_is_out_of_range_or_undefined_is_noted() {
     writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
     let scene = writer.prepared();
     let right = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
-    assert_eq!((right.color, right.mirror), (DVec3::ONE, DVec3::ONE));
+    assert_eq!((right.colour, right.mirror), (DVec3::ONE, DVec3::ONE));
     assert_eq!(scene.notes(), []);
     let left = look(&scene, &ray([-9.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
-    assert_eq!((left.color, left.mirror), (DVec3::ZERO, DVec3::ZERO));
+    assert_eq!((left.colour, left.mirror), (DVec3::ZERO, DVec3::ZERO));
     let faults: Vec<RayFault> = scene.notes().into_iter().map(|note| note.fault).collect();
     let expected = [
         RayFault::UndefinedAttribute("mirror"),
@@ -439,7 +439,7 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
     };
     assert_eq!((glass.ior, glass.depth), (1.33, 1.0));
     let water = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
-    assert_eq!((water.glass, water.color), (0.9, DVec3::ONE));
+    assert_eq!((water.glass, water.colour), (0.9, DVec3::ONE));
 }
 
 #[test]
@@ -515,7 +515,7 @@ fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
     writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| srgb(SOLID_COLOUR),
+        colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };
@@ -579,7 +579,7 @@ fn points_arrows_and_curves_are_bodies() {
     let face = first(&scene, &down(0.4, 0.01)).expect("the curve");
     let owner = scene.owner(&face.of);
     assert_eq!((&*owner.object.name, owner.object.kind), ("c", "curve"));
-    let seen = scene.look(&face, &|_, _| None).color;
+    let seen = scene.look(&face, &|_, _| None).colour;
     assert!(seen.distance(linear(DVec3::new(0.4, 0.0, 0.0))) < 1e-12);
     assert!(!scene.is_declared_solid(0));
 }
@@ -654,7 +654,10 @@ fn lights_and_cameras_are_those_of_the_scene() {
     let lights = scene.lights(&camera.lens, &standard);
     assert_eq!(lights.len(), 2);
     let expected = 2.0 * linear(DVec3::splat(0.5));
-    assert_eq!((lights[1].color, lights[1].highlight), (expected, expected));
+    assert_eq!(
+        (lights[1].colour, lights[1].highlight),
+        (expected, expected)
+    );
     let LightKind::Beam {
         position, radius, ..
     } = lights[1].kind
@@ -710,7 +713,7 @@ fn surfaces_have_bumps_and_images() {
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);
         let painted = linear(srgb(SOLID_COLOUR)) * DVec3::new(0.75, 0.75, 0.0);
-        assert!(look.color.distance(painted) < 1e-12);
+        assert!(look.colour.distance(painted) < 1e-12);
     }
     assert!(first(&scene, &ray([2.1, 0.0, 5.0], [0.0, 0.0, -1.0])).is_none());
 }

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! syntax::crt::document ──▶ CrtProgram ──snapshot──▶ CrtAnalysis ─┬─▶ names        variables and objects, by scope
-//!                                                                 ├─▶ semantic, outline, hover, signature, completion, color, links
+//!                                                                 ├─▶ semantic, outline, hover, signature, completion, colour, links
 //!                                                                 ├─▶ rename, format, edit_settings   edits
 //!                                                                 └─▶ convert          a program in Geotrace's language
 //! ```
 
-pub mod color;
+pub mod colour;
 pub mod completion;
 pub mod convert;
 mod edit_settings;

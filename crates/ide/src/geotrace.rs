@@ -5,14 +5,14 @@
 //!                                                                     ├─▶ hover, signature, completion, describe
 //!                                                                     ├─▶ navigation          definition, occurrences
 //!                                                                     ├─▶ rename, format, edit_param, edit_camera   edits
-//!                                                                     └─▶ outline, hints, lens, color, preview_values
+//!                                                                     └─▶ outline, hints, lens, colour, preview_values
 //! ```
 //!
 //! Rename and format read their results again and refuse changes of meaning.
 
 pub mod analysis;
 mod application;
-pub mod color;
+pub mod colour;
 pub mod completion;
 mod completion_place;
 pub mod describe;
@@ -50,7 +50,7 @@ pub use analysis::{GeotraceAnalysis, Lexeme};
 pub use item::Item;
 pub use targets::Target;
 
-use crate::color::EditColorError;
+use crate::colour::EditColourError;
 use crate::edit::Edit;
 use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
@@ -250,7 +250,7 @@ impl Analysis for GeotraceAnalysis {
         edit_camera::edit_camera(self, name, direction, position)
     }
 
-    fn edit_color(&self, object: &str, color: [f64; 3]) -> Result<Edit, EditColorError> {
-        color::edit_color(self, object, color)
+    fn edit_colour(&self, object: &str, colour: [f64; 3]) -> Result<Edit, EditColourError> {
+        colour::edit_colour(self, object, colour)
     }
 }

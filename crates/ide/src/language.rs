@@ -17,7 +17,7 @@ use scene::{Evaluation, ParamValues, ProgramScene, Scene};
 use syntax::diagnostic::{Code, Diagnostic, Severity};
 use syntax::span::Span;
 
-use crate::color::{EditColorError, StatedColor};
+use crate::colour::{EditColourError, WrittenColour};
 use crate::completion::Completions;
 use crate::conversion::ConvertError;
 use crate::description::Description;
@@ -333,13 +333,13 @@ pub trait Analysis: Debug + Send + Sync {
     }
 
     /// Returns the constant colours, in the order of the text.
-    fn colors(&self) -> Vec<StatedColor> {
+    fn colours(&self) -> Vec<WrittenColour> {
         Vec::new()
     }
 
     /// Returns the texts for a colour (red, green and blue, sRGB, 0…1) that can replace the one in a range, the simplest
     /// first.
-    fn color_texts(&self, range: Span, rgb: [f64; 3]) -> Vec<String> {
+    fn colour_texts(&self, range: Span, rgb: [f64; 3]) -> Vec<String> {
         Vec::new()
     }
 
@@ -385,11 +385,11 @@ pub trait Analysis: Debug + Send + Sync {
     /// Returns the edit that changes the colour of an object that states it as numbers: red, green and blue, sRGB, 0…1.
     ///
     /// # Errors
-    /// [`EditColorError`] with the reason.
-    fn edit_color(&self, object: &str, color: [f64; 3]) -> Result<Edit, EditColorError> {
-        let _ = color;
+    /// [`EditColourError`] with the reason.
+    fn edit_colour(&self, object: &str, colour: [f64; 3]) -> Result<Edit, EditColourError> {
+        let _ = colour;
         let name = object.to_owned();
-        Err(EditColorError::NotStated { name })
+        Err(EditColourError::NotStated { name })
     }
 }
 
@@ -452,12 +452,12 @@ macro_rules! features_of_modules {
             format::format(self, range)
         }
 
-        fn colors(&self) -> Vec<$crate::color::StatedColor> {
-            color::colors(self)
+        fn colours(&self) -> Vec<$crate::colour::WrittenColour> {
+            colour::colours(self)
         }
 
-        fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
-            color::color_texts(rgb)
+        fn colour_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
+            colour::colour_texts(rgb)
         }
     };
 }

@@ -6,13 +6,13 @@
 //! geotrace, crt the languages
 //! text          access to a text by its lines
 //! limited       files that are read up to a limit
-//! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
+//! colour, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
 //!               the results of the features
 //! ```
 //!
 //! The crate does not use the types of the language server protocol: the server converts lines, columns and names.
 
-pub mod color;
+pub mod colour;
 pub mod completion;
 pub mod conversion;
 pub mod crt;

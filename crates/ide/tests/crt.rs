@@ -125,14 +125,14 @@ fn attributes_objects_and_variables_are_completed() {
 #[test]
 fn a_colour_is_picked() {
     let analysis = read(SCRIPT);
-    let colors = analysis.colors();
-    assert_eq!(colors.len(), 1);
+    let colours = analysis.colours();
+    assert_eq!(colours.len(), 1);
     assert_eq!(
-        analysis.text().slice(colors[0].span).as_deref(),
+        analysis.text().slice(colours[0].span).as_deref(),
         Some("rgb(1, 0.5, 0)")
     );
     assert_eq!(
-        analysis.color_texts(colors[0].span, [0.25, 1.0, 0.0]),
+        analysis.colour_texts(colours[0].span, [0.25, 1.0, 0.0]),
         ["rgb(0.25, 1, 0)"]
     );
 }

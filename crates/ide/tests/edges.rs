@@ -5,7 +5,7 @@ use ide::fix;
 use ide::geotrace::completion::completions;
 use ide::geotrace::edit_camera::edit_camera;
 use ide::geotrace::{
-    GeotraceAnalysis, color, format, hints, hover, lens, navigation, outline, rename, semantic,
+    GeotraceAnalysis, colour, format, hints, hover, lens, navigation, outline, rename, semantic,
     signature,
 };
 use syntax::span::Span;
@@ -136,7 +136,7 @@ fn every_feature_answers_at_every_place_of_any_text() {
         outline::outline(&analysis);
         outline::folds(&analysis);
         lens::lenses(&analysis);
-        for stated in color::colors(&analysis) {
+        for stated in colour::colours(&analysis) {
             assert!(!stated.span.text(text).is_empty());
         }
         let written = edit_camera(&analysis, "eye", [0.0, 1.0, 0.0], [0.0; 3]);

@@ -3,7 +3,7 @@
 use ide::fix;
 use ide::geotrace::completion::completions;
 use ide::geotrace::semantic::semantic_tokens;
-use ide::geotrace::{GeotraceAnalysis, color, hints, hover, lens, navigation, outline, signature};
+use ide::geotrace::{GeotraceAnalysis, colour, hints, hover, lens, navigation, outline, signature};
 use ide::semantic::{Modifiers, TokenType};
 use syntax::span::Span;
 
@@ -430,10 +430,10 @@ fn a_derivative_is_applied() {
 
 #[test]
 fn a_colour_that_holds_a_comment_is_not_picked() {
-    let colors = |text: &str| color::colors(&GeotraceAnalysis::new(text)).len();
+    let colours = |text: &str| colour::colours(&GeotraceAnalysis::new(text)).len();
     let point = "point p = (0, 0, 0), color : ";
-    assert_eq!(colors(&format!("{point}(1, 0.5, 0); # red")), 1);
-    assert_eq!(colors(&format!("{point}(1, # red\n0.5, 0);")), 0);
+    assert_eq!(colours(&format!("{point}(1, 0.5, 0); # red")), 1);
+    assert_eq!(colours(&format!("{point}(1, # red\n0.5, 0);")), 0);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use ide::completion::CompletionKind;
 use ide::edit::apply;
 use ide::geotrace::completion::{completions, describe};
 use ide::geotrace::{
-    GeotraceAnalysis, color, format, hover, lens, navigation, outline, rename, semantic,
+    GeotraceAnalysis, colour, format, hover, lens, navigation, outline, rename, semantic,
 };
 use ide::semantic::{Modifiers, TokenType};
 use syntax::span::Span;
@@ -339,10 +339,10 @@ background d = (0, 0, 1);
 curve e(color) = (color, 0, 0), color : [0, 1];
 solid f(x,y,z) = x, color : (1, 0";
     let analysis = GeotraceAnalysis::new(text);
-    let found = color::colors(&analysis);
+    let found = colour::colours(&analysis);
     let found: Vec<_> = found
         .iter()
-        .map(|color| (color.span.text(text), color.rgb))
+        .map(|colour| (colour.span.text(text), colour.rgb))
         .collect();
     assert_eq!(
         found,
@@ -381,7 +381,7 @@ fn a_stated_colour_is_written_anew() {
         "solid a(x,y,z) = x, color : 0.5, mirror : 0.5; point b = (0,0,0), color : (1, 0, 0);";
     let analysis = GeotraceAnalysis::new(text);
     let written = |object: &str| {
-        let edit = ide::geotrace::color::edit_color(&analysis, object, [0.0, 0.25, 1.0]);
+        let edit = ide::geotrace::colour::edit_colour(&analysis, object, [0.0, 0.25, 1.0]);
         edit.map(|edit| ide::edit::apply(text, &[edit]))
     };
     assert_eq!(

@@ -204,7 +204,7 @@ impl ObjectCloud {
     pub(crate) fn all(scene: &Scene, params: &ParamValues, wanted: &[bool]) -> Vec<Option<Self>> {
         let options = RaySceneOptions {
             shown: &|_| true,
-            color: &|_| DVec3::ONE,
+            colour: &|_| DVec3::ONE,
             thickness: None,
             picture_look: Default::default(),
         };

@@ -238,7 +238,7 @@ fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
     }
     let options = RaySceneOptions {
         shown: &|_| false,
-        color: &|_| DVec3::ONE,
+        colour: &|_| DVec3::ONE,
         thickness: None,
         picture_look: Default::default(),
     };

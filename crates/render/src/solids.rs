@@ -237,7 +237,7 @@ impl<'a> SolidPainter<'a> {
         let (diffuse, white) = style::surface_light(view, self.to_eye(place));
         let tint = self.tints.get(hit.crossing.solid);
         let factor = tint.map_or([1.0; 3], |tint| tint.colour);
-        let colour = look.color.clamp(DVec3::ZERO, DVec3::ONE).to_array();
+        let colour = look.colour.clamp(DVec3::ZERO, DVec3::ONE).to_array();
         let light = [0, 1, 2].map(|k| colour[k] as f32 * factor[k] * diffuse + white);
         SolidSample {
             depth: self.depth_behind(hit, place, offsets),

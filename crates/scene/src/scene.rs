@@ -610,7 +610,7 @@ impl Shape {
                 .iter_mut()
                 .chain(&mut camera.position)
                 .collect(),
-            Self::Background(background) => background.color.iter_mut().collect(),
+            Self::Background(background) => background.colour.iter_mut().collect(),
         }
     }
 

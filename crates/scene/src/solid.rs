@@ -125,7 +125,7 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug)]
 pub struct Background {
     /// Its colour, sRGB, over `Variable(0)`, `Variable(1)`, `Variable(2)`: the unit direction.
-    pub color: [NodeId; 3],
+    pub colour: [NodeId; 3],
 }
 
 impl Solid {

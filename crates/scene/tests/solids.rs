@@ -354,8 +354,8 @@ fn the_words_of_solids_are_free_names_elsewhere() {
     scene(maps);
     let x = "define x = 0.5; solid a(u,v,w) = u; solid b = a, color : x, mirror : y;";
     let scene = scene(x);
-    let color = &object(&scene, "b").attributes[0].value;
-    let AttributeValue::Numbers(nodes) = color else {
+    let colour = &object(&scene, "b").attributes[0].value;
+    let AttributeValue::Numbers(nodes) = colour else {
         panic!("no number");
     };
     assert_eq!(scene.graph.value(nodes[0]), Some(0.5));
@@ -425,7 +425,7 @@ fn an_opening_that_is_too_wide_is_told_by_the_projection() {
 
 #[test]
 fn a_background_whose_numbers_are_bytes_has_a_warning() {
-    for (color, numbers) in [
+    for (colour, numbers) in [
         ("(135, 206, 235)", Some("(135, 206, 235)")),
         ("(0, 0, 64)", Some("(0, 0, 64)")),
         ("(2, 2, 3)", Some("(2, 2, 3)")),
@@ -436,7 +436,7 @@ fn a_background_whose_numbers_are_bytes_has_a_warning() {
         ("(1000, 1000, 1000)", None),
         ("(135, 206, 235)/255", None),
     ] {
-        let compilation = compile(&format!("background sky = {color};"));
+        let compilation = compile(&format!("background sky = {colour};"));
         let found: Vec<String> = compilation
             .diagnostics
             .iter()
@@ -447,7 +447,7 @@ fn a_background_whose_numbers_are_bytes_has_a_warning() {
                 "`sky` is far brighter than white: {numbers}: components of colours are 0…1: divide by 255"
             )
         });
-        assert_eq!(found, Vec::from_iter(expected), "{color}");
-        assert!(compilation.scene.is_some(), "{color}");
+        assert_eq!(found, Vec::from_iter(expected), "{colour}");
+        assert!(compilation.scene.is_some(), "{colour}");
     }
 }

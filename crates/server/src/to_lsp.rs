@@ -1,6 +1,6 @@
 //! Converts plain data into the protocol's types.
 
-use ide::color::StatedColor;
+use ide::colour::WrittenColour;
 use ide::completion::{Completion, CompletionKind, Completions};
 use ide::edit::Edit;
 use ide::fix::Fix;
@@ -470,7 +470,7 @@ pub(crate) fn fold(snapshot: &Snapshot, fold: &Fold) -> lsp::FoldingRange {
     }
 }
 
-pub(crate) fn color(snapshot: &Snapshot, stated: &StatedColor) -> lsp::ColorInformation {
+pub(crate) fn color(snapshot: &Snapshot, stated: &WrittenColour) -> lsp::ColorInformation {
     let [red, green, blue] = stated.rgb.map(|channel| channel as f32);
     lsp::ColorInformation {
         range: range(snapshot, stated.span),

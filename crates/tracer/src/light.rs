@@ -13,7 +13,7 @@ pub struct Light {
     /// The kind of the light.
     pub kind: LightKind,
     /// Colour times power.
-    pub color: DVec3,
+    pub colour: DVec3,
     /// The fraction that reaches every point, even in shadow.
     pub ambient: f64,
     /// The distance at which the light has full strength; without it, the light does not fade.
@@ -214,14 +214,14 @@ impl Light {
     }
 
     /// Creates a light of this colour that has no size and casts shadows.
-    pub fn new(kind: LightKind, color: DVec3) -> Self {
+    pub fn new(kind: LightKind, colour: DVec3) -> Self {
         Self {
             kind,
-            color,
+            colour,
             ambient: 0.0,
             falloff: None,
             size: 0.0,
-            highlight: color,
+            highlight: colour,
             casts_shadows: true,
         }
     }

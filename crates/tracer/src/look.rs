@@ -30,10 +30,10 @@ impl PictureLook {
     }
 
     /// Returns the light of a stated colour; the curve continues beyond 1.
-    pub fn light(self, color: DVec3) -> DVec3 {
+    pub fn light(self, colour: DVec3) -> DVec3 {
         match self {
-            Self::Geotrace => srgb::linear(color),
-            Self::Crt => color,
+            Self::Geotrace => srgb::linear(colour),
+            Self::Crt => colour,
         }
     }
 

@@ -26,7 +26,7 @@ pub use paths::LightTracer;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceLook {
     /// Its colour, c.
-    pub color: DVec3,
+    pub colour: DVec3,
     /// The share that is scattered, k; without one, what mirror and glass leave.
     pub diffuse: Option<f64>,
     /// The strength of the highlight.
@@ -128,7 +128,7 @@ pub enum FaceSides {
 impl Default for FaceLook {
     fn default() -> Self {
         Self {
-            color: DVec3::ONE,
+            colour: DVec3::ONE,
             diffuse: None,
             specular: 0.07,
             shininess: 40.0,

@@ -43,9 +43,9 @@ fn seen(look: FaceLook, lights: &[Light], bounces: u32, ray: Ray) -> DVec3 {
 
 #[test]
 fn a_ball_has_the_light_of_the_formula() {
-    let color = DVec3::new(0.9, 0.5, 0.1);
+    let colour = DVec3::new(0.9, 0.5, 0.1);
     let look = FaceLook {
-        color,
+        colour,
         diffuse: Some(0.6),
         specular: 0.3,
         shininess: 5.0,
@@ -72,7 +72,7 @@ fn a_ball_has_the_light_of_the_formula() {
     let share = (3.0 / (r + way)).powi(2);
     let away = l - 2.0 * l.dot(n) * n;
     let bright = 0.3 * away.dot(DVec3::Y).max(0.0).powf(5.0);
-    let lit = 0.1 * shine * 0.75 + share * color * shine * (0.6 * n.dot(l) + bright);
+    let lit = 0.1 * shine * 0.75 + share * colour * shine * (0.6 * n.dot(l) + bright);
     assert!(bright > 0.0);
     let none = seen(look, &[light], 0, ray);
     assert!(none.distance(lit) < 1e-12, "{none} {lit}");

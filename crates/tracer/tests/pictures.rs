@@ -311,7 +311,7 @@ fn pictures_are_the_same_on_any_number_of_threads() {
     let waves = ball.clone() + 0.1 * (7.0 * x).sin() - 0.0;
     let world = world(&[waves]);
     let look = |face: &Face| FaceLook {
-        color: 0.5 + 0.5 * face.normal,
+        colour: 0.5 + 0.5 * face.normal,
         mirror: DVec3::splat(0.3),
         ..FaceLook::default()
     };
@@ -354,14 +354,14 @@ fn sheets_and_solids_are_seen_together() {
     let sheets = Sheets::new(vec![pane(-2.0), pane(0.0), pane(3.0)]);
     let look = |face: &Face| match face.of {
         FaceObject::Sheet { sheet: 0, .. } => FaceLook {
-            color: DVec3::new(0.5, 1.0, 1.0),
+            colour: DVec3::new(0.5, 1.0, 1.0),
             diffuse: Some(0.0),
             glass: 0.8,
             specular: 0.0,
             ..FaceLook::default()
         },
         FaceObject::Sheet { sheet, .. } => FaceLook {
-            color: DVec3::splat(if sheet == 1 { 0.25 } else { 0.125 }),
+            colour: DVec3::splat(if sheet == 1 { 0.25 } else { 0.125 }),
             ..white(face)
         },
         FaceObject::Solid { .. } => white(face),

@@ -65,9 +65,9 @@ fn scenery<'a>(
 }
 
 /// Glass of this colour that lets everything through.
-fn clear(color: DVec3) -> FaceLook {
+fn clear(colour: DVec3) -> FaceLook {
     FaceLook {
-        color,
+        colour,
         diffuse: Some(0.0),
         specular: 0.0,
         glass: 1.0,
@@ -76,17 +76,17 @@ fn clear(color: DVec3) -> FaceLook {
 }
 
 /// A face that scatters all light.
-fn matt(color: DVec3) -> FaceLook {
+fn matt(colour: DVec3) -> FaceLook {
     FaceLook {
-        color,
+        colour,
         diffuse: Some(1.0),
         specular: 0.0,
         ..FaceLook::default()
     }
 }
 
-fn power(color: DVec3, exponent: f64) -> DVec3 {
-    DVec3::from_array(color.to_array().map(|c| c.powf(exponent)))
+fn power(colour: DVec3, exponent: f64) -> DVec3 {
+    DVec3::from_array(colour.to_array().map(|c| c.powf(exponent)))
 }
 
 #[track_caller]
@@ -210,7 +210,7 @@ fn lights_fade_and_end_as_their_formulas_say() {
 fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
     let world = world(2.0);
     let look = |_: &Face| FaceLook {
-        color: DVec3::new(0.5, 0.25, 1.0),
+        colour: DVec3::new(0.5, 0.25, 1.0),
         specular: 0.0,
         ..FaceLook::default()
     };
@@ -233,8 +233,8 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
     let mut tracer = LightTracer::new(&scenery);
     let cosine = 0.5f64.sqrt();
     let lit = seen(&mut tracer, DVec3::new(0.5, 3.0, 5.0), DVec3::NEG_Z);
-    for (actual, color) in lit.to_array().into_iter().zip([0.5, 0.25, 1.0]) {
-        assert_close(actual, color * (0.1 + cosine), 1e-14);
+    for (actual, colour) in lit.to_array().into_iter().zip([0.5, 0.25, 1.0]) {
+        assert_close(actual, colour * (0.1 + cosine), 1e-14);
     }
     // The centre of the shadow is at y = −2.
     let dark = seen(&mut tracer, DVec3::new(0.0, -2.0, 0.5), DVec3::NEG_Z);
@@ -245,7 +245,7 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
 fn glass_bends_absorbs_and_reflects_exactly() {
     let world = world(2.0);
     let look = |face: &Face| FaceLook {
-        color: DVec3::new(0.5, 1.0, 0.25),
+        colour: DVec3::new(0.5, 1.0, 0.25),
         diffuse: Some(0.0),
         specular: 0.0,
         glass: f64::from(u8::from(solid(face) == 2)),
@@ -279,8 +279,8 @@ fn glass_bends_absorbs_and_reflects_exactly() {
     // Through a plate: T² a (1 + R² a² + R⁴ a⁴ + …), a what a passage leaves.
     let inner = (angle.sin() / 1.5).asin();
     let share = fresnel(angle.cos(), 1.0, 1.5);
-    for (actual, color) in seen.to_array().into_iter().zip([0.5f64, 1.0, 0.25]) {
-        let left = color.powf(1.0 / inner.cos() / 2.0);
+    for (actual, colour) in seen.to_array().into_iter().zip([0.5f64, 1.0, 0.25]) {
+        let left = colour.powf(1.0 / inner.cos() / 2.0);
         let expected = (1.0 - share).powi(2) * left / (1.0 - (share * left).powi(2));
         // Rays below 2⁻¹⁰ of weight add nothing.
         assert_close(actual, expected, 1e-3);
@@ -292,7 +292,7 @@ fn an_opaque_face_is_seen_through_glass_that_lies_on_it() {
     let no_sheets = Sheets::default();
     let [_, _, z] = variables();
     let (slab, table) = ((&z - 0.5).abs() - 0.5, &z + 0.0);
-    let color = DVec3::new(0.6, 0.3, 0.1);
+    let colour = DVec3::new(0.6, 0.3, 0.1);
     let lights = [Light {
         ambient: 1.0,
         ..light(LightKind::Parallel(DVec3::ZERO))
@@ -308,7 +308,7 @@ fn an_opaque_face_is_seen_through_glass_that_lies_on_it() {
         });
         let look = |face: &Face| match (solid(face) == 0) == glass_first {
             true => clear(DVec3::ONE),
-            false => matt(color),
+            false => matt(colour),
         };
         let glass = [Some(glass).filter(|_| glass_first), Some(glass)];
         let scenery = Scenery {
@@ -321,7 +321,7 @@ fn an_opaque_face_is_seen_through_glass_that_lies_on_it() {
             let direction = DVec3::new(slope, 0.2, -1.0).normalize();
             let seen = seen(&mut tracer, DVec3::new(0.1, 0.2, 3.0), direction);
             let share = 1.0 - fresnel(-direction.z, 1.0, 1.33);
-            assert_light(seen, share * color);
+            assert_light(seen, share * colour);
         }
     }
 }
@@ -331,11 +331,11 @@ fn glass_that_touches_other_glass_has_its_own_colour() {
     let no_sheets = Sheets::default();
     let [_, _, z] = variables();
     let slabs = [(&z - 0.5).abs() - 0.5, (&z + 0.5).abs() - 0.5];
-    let colors = [DVec3::new(1.0, 0.5, 0.25), DVec3::new(0.5, 0.5, 1.0)];
+    let colours = [DVec3::new(1.0, 0.5, 0.25), DVec3::new(0.5, 0.5, 1.0)];
     let direction = DVec3::new(0.6, 0.0, -0.8);
     for order in [[0, 1], [1, 0]] {
         let world = solids(&order.map(|k| slabs[k].clone()));
-        let look = |face: &Face| clear(colors[order[solid(face)]]);
+        let look = |face: &Face| clear(colours[order[solid(face)]]);
         let glass = [2.0, 0.5].map(|depth| Glass {
             ior: 1.0,
             depth,
@@ -349,7 +349,7 @@ fn glass_that_touches_other_glass_has_its_own_colour() {
         };
         let mut tracer = LightTracer::new(&scenery);
         let seen = seen(&mut tracer, DVec3::new(0.1, 0.2, 3.0), direction);
-        let [first, second] = [0, 1].map(|k| power(colors[k], 1.25 / [2.0, 0.5][k]));
+        let [first, second] = [0, 1].map(|k| power(colours[k], 1.25 / [2.0, 0.5][k]));
         assert_light(seen, first * second);
     }
 }
@@ -361,12 +361,12 @@ fn glass_gives_its_colour_to_shadows() {
     // The ground, glass that lies on it, and a pane above.
     let formulas = [&z + 0.0, (&z - 0.5).abs() - 0.5, (&z - 2.5).abs() - 0.5];
     let world = solids(&formulas);
-    let color = DVec3::new(0.9, 0.5, 0.3);
+    let colour = DVec3::new(0.9, 0.5, 0.3);
     let look = |face: &Face| match solid(face) {
         0 => matt(DVec3::new(0.8, 0.6, 0.4)),
         _ => FaceLook {
             glass: 0.6,
-            ..clear(color)
+            ..clear(colour)
         },
     };
     let glass = |depth, leaf| {
@@ -386,12 +386,12 @@ fn glass_gives_its_colour_to_shadows() {
     let mut tracer = LightTracer::new(&scenery);
     // From between both panes: the way of the eye is through the lower one too.
     let from_air = seen(&mut tracer, DVec3::new(0.0, 0.0, 1.5), DVec3::NEG_Z);
-    let shadow = 0.6f64.powi(3) * power(color, 1.25 / 0.5 + 1.25 / 0.7);
+    let shadow = 0.6f64.powi(3) * power(colour, 1.25 / 0.5 + 1.25 / 0.7);
     let lit = 0.8 * DVec3::new(0.8, 0.6, 0.4) * shadow;
-    assert_light(from_air, 0.6 * power(color, 1.0 / 0.5) * lit);
+    assert_light(from_air, 0.6 * power(colour, 1.0 / 0.5) * lit);
     // From within the lower one.
     let from_within = seen(&mut tracer, DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
-    assert_light(from_within, power(color, 0.5 / 0.5) * lit);
+    assert_light(from_within, power(colour, 0.5 / 0.5) * lit);
     // A light within it, and nothing between.
     let lights = [light(LightKind::Point(DVec3::new(0.0, 0.3, 0.4)))];
     let scenery = Scenery {
@@ -400,8 +400,8 @@ fn glass_gives_its_colour_to_shadows() {
     };
     let mut tracer = LightTracer::new(&scenery);
     let near = seen(&mut tracer, DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
-    let lit = 0.8 * DVec3::new(0.8, 0.6, 0.4) * power(color, 0.5 / 0.5);
-    assert_light(near, power(color, 0.5 / 0.5) * lit);
+    let lit = 0.8 * DVec3::new(0.8, 0.6, 0.4) * power(colour, 0.5 / 0.5);
+    assert_light(near, power(colour, 0.5 / 0.5) * lit);
 }
 
 #[test]
@@ -409,8 +409,8 @@ fn an_eye_within_glass_sees_its_colour() {
     let no_sheets = Sheets::default();
     let [_, _, z] = variables();
     let world = solids(&[(&z - 0.5).abs() - 0.5]);
-    let color = |place: DVec3| DVec3::new(0.3, 0.9, 0.5 + 0.1 * place.x);
-    let look = |face: &Face| clear(color(face.position));
+    let colour = |place: DVec3| DVec3::new(0.3, 0.9, 0.5 + 0.1 * place.x);
+    let look = |face: &Face| clear(colour(face.position));
     let glass = [Some(Glass {
         ior: 1.0,
         ..Glass::default()
@@ -423,7 +423,7 @@ fn an_eye_within_glass_sees_its_colour() {
     let mut tracer = LightTracer::new(&scenery);
     let eye = DVec3::new(2.0, 0.0, 0.5);
     let through = seen(&mut tracer, eye, DVec3::new(0.0, 0.8, 0.6));
-    assert_light(through, power(color(eye), 0.5 / 0.6));
+    assert_light(through, power(colour(eye), 0.5 / 0.6));
     // Along the slab there is no end of it.
     assert_light(seen(&mut tracer, eye, DVec3::Y), DVec3::ZERO);
 }
@@ -496,7 +496,7 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
         };
         let lights = [Light {
             ambient: 0.5,
-            color: DVec3::splat(0.6),
+            colour: DVec3::splat(0.6),
             ..light(LightKind::Point(DVec3::new(-4.0, 3.0, 5.0)))
         }];
         let scenery = Scenery {

@@ -322,7 +322,7 @@ impl Editing {
 
     /// Returns the colours that the text states.
     pub fn colours(&self) -> Value {
-        let colours = self.analysis().colors().into_iter();
+        let colours = self.analysis().colours().into_iter();
         let colours = colours.map(|colour| {
             let Utf16Range { from, to } = self.source.range(colour.span);
             let rgb = colour.rgb.map(|part| (part * 255.0).round());
@@ -334,7 +334,7 @@ impl Editing {
     /// Returns the texts that state another colour in place of the one in a range.
     pub fn colour_texts(&self, range: Utf16Range, rgb: [u8; 3]) -> Value {
         let rgb = rgb.map(|part| f64::from(part) / 255.0);
-        json!(self.analysis().color_texts(self.source.span(range), rgb))
+        json!(self.analysis().colour_texts(self.source.span(range), rgb))
     }
 
     /// Returns the edit that gives a param initial values.
@@ -370,7 +370,7 @@ impl Editing {
     /// The sentence that says why it is not written.
     pub fn write_colour(&self, object: &str, rgb: [u8; 3]) -> Result<Value, String> {
         let rgb = rgb.map(|part| f64::from(part) / 255.0);
-        let edit = self.analysis().edit_color(object, rgb);
+        let edit = self.analysis().edit_colour(object, rgb);
         Ok(json!(
             self.page_edit(&edit.map_err(|error| error.to_string())?)
         ))

@@ -205,7 +205,7 @@ fn prepared(
     let bounds = Bounds::of(scene, params);
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| srgb(SOLID_COLOUR),
+        colour: &|_| srgb(SOLID_COLOUR),
         thickness: Some(render::style::thickness(bounds.placement.radius)),
         picture_look: Default::default(),
     };

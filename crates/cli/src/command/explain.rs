@@ -184,7 +184,7 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
 fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| srgb(SOLID_COLOUR),
+        colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
         picture_look: Default::default(),
     };

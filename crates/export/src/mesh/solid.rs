@@ -64,7 +64,7 @@ pub(super) fn meshed(
     let unstated = DVec3::from_array(colour.map(f64::from)) / 255.0;
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| unstated,
+        colour: &|_| unstated,
         thickness: None,
         picture_look: Default::default(),
     };
@@ -182,7 +182,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
                 entering: true,
             },
         };
-        srgb::bytes(rays.look(&face, &|_, _| None).color)
+        srgb::bytes(rays.look(&face, &|_, _| None).colour)
     };
     places.map(colour).collect()
 }

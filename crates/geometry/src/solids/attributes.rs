@@ -15,7 +15,7 @@ use scene::{AffineNodes, Attribute, AttributeValue, stated_word};
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 #[repr(u8)]
 pub(super) enum NumberAttribute {
-    Color,
+    Colour,
     Mirror,
     Glass,
     Ior,
@@ -43,7 +43,7 @@ use NumberAttribute as A;
 
 /// All attributes, each at its discriminant.
 const ALL: [(A, &str); 22] = [
-    (A::Color, "color"),
+    (A::Colour, "color"),
     (A::Mirror, "mirror"),
     (A::Glass, "glass"),
     (A::Ior, "ior"),
@@ -86,7 +86,7 @@ impl A {
     /// Returns the range of an attribute of a set.
     fn range(self, set: &AttributeSet) -> [f64; 2] {
         match self {
-            A::Color if !set.bright => [0.0, 1.0],
+            A::Colour if !set.bright => [0.0, 1.0],
             A::Mirror | A::Glass | A::Soft => [0.0, 1.0],
             A::Ior | A::Depth | A::Shininess | A::Focus => [POSITIVE, f64::MAX],
             A::Fov => [POSITIVE, set.widest],

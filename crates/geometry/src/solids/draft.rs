@@ -168,7 +168,7 @@ impl<'a> Draft<'a> {
 
     /// Adds the looks and names of a solid's leaves.
     fn add_looks(&mut self, id: Option<ObjectId>, object: &Object, solid: &Solid) {
-        let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
+        let colour = id.map_or(DVec3::ONE, |id| (self.options.colour)(id));
         let (mut has_unplaced, mut has_places) = (false, false);
         for leaf in &solid.leaves {
             // In a scene script a colour may be brighter than white.
@@ -179,7 +179,7 @@ impl<'a> Draft<'a> {
             has_unplaced |= is_stated && !attributes.states(NumberAttribute::Uv);
             has_places |= attributes.states(NumberAttribute::Uv);
             let picture_look = self.options.picture_look;
-            let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
+            let look = LookProgram::new(&object.name, image, picture_look, colour, attributes);
             self.content.looks.push(look);
             self.content.names.push((leaf.name.clone(), leaf.name_span));
         }
@@ -266,12 +266,12 @@ impl<'a> Draft<'a> {
             object: self.object(Some(id), object),
             stated_cell: None,
         };
-        let color = (self.options.color)(id);
+        let colour = (self.options.colour)(id);
         let look = LookProgram::new(
             &object.name,
             None,
             self.options.picture_look,
-            color,
+            colour,
             attributes,
         );
         self.content.add_solid(ray_solid, None, look.is_opaque());
@@ -316,10 +316,10 @@ impl<'a> Draft<'a> {
         }
         let number = self.object(Some(id), object);
         let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
-        let color = (self.options.color)(id);
+        let colour = (self.options.colour)(id);
         let image = self.image(Some(id), &object.attributes);
         let picture_look = self.options.picture_look;
-        let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
+        let look = LookProgram::new(&object.name, image, picture_look, colour, attributes);
         let look = look.on_surface(&scene.graph, position);
         self.content.looks.push(look);
         for instance in 0..count.min(room) {

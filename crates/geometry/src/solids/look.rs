@@ -37,7 +37,7 @@ pub(super) struct LookProgram {
     image: Option<FaceImage>,
     picture_look: PictureLook,
     /// The linear colour.
-    color: DVec3,
+    colour: DVec3,
     pub(super) attributes: AttributeSet,
     /// σu and σv of a parametric surface that has a height.
     slopes: Option<Tape>,
@@ -57,12 +57,12 @@ pub(super) enum FacePlace {
 }
 
 impl LookProgram {
-    /// Creates the look of the faces of an object whose colour is `color`, in sRGB, unless it states one.
+    /// Creates the look of the faces of an object whose colour is `colour`, in sRGB, unless it states one.
     pub(super) fn new(
         object: &str,
         image: Option<FaceImage>,
         picture_look: PictureLook,
-        color: DVec3,
+        colour: DVec3,
         attributes: AttributeSet,
     ) -> Self {
         let is_glass = attributes.states(A::Glass);
@@ -70,10 +70,10 @@ impl LookProgram {
             object: object.to_owned(),
             image,
             picture_look,
-            color: if is_glass {
+            colour: if is_glass {
                 DVec3::ONE
             } else {
-                picture_look.light(color)
+                picture_look.light(colour)
             },
             attributes,
             slopes: None,
@@ -225,7 +225,7 @@ impl LookProgram {
 
     pub(super) fn plain(&self) -> FaceLook {
         FaceLook {
-            color: self.color,
+            colour: self.colour,
             ..FaceLook::default()
         }
     }
@@ -234,7 +234,7 @@ impl LookProgram {
     pub(super) fn apply(&self, look: &mut FaceLook, numbers: &AttributeNumbers) {
         let number = numbers.number();
         match numbers.attribute {
-            A::Color => look.color = self.picture_look.light(numbers.vector()),
+            A::Colour => look.colour = self.picture_look.light(numbers.vector()),
             A::Mirror => look.mirror = numbers.vector(),
             A::Glass => look.glass = number,
             A::Diffuse => look.diffuse = Some(number),
@@ -246,9 +246,9 @@ impl LookProgram {
 
     fn painted(&self, mut look: FaceLook, at: Option<[f64; 2]>, paint: &Paint<'_>) -> FaceLook {
         if let (Some(image), Some(at)) = (self.image, at)
-            && let Some(color) = paint(image, at)
+            && let Some(colour) = paint(image, at)
         {
-            look.color *= color;
+            look.colour *= colour;
         }
         look
     }

@@ -84,7 +84,7 @@ pub(super) struct DeclaredBackground {
     pub(super) name: String,
     /// The image that it names.
     pub(super) image: Option<String>,
-    color: Tape,
+    colour: Tape,
     /// The linear light of a colour that is the same in all directions.
     constant: Option<DVec3>,
     uniforms: Vec<f64>,
@@ -116,7 +116,7 @@ impl DeclaredBackground {
                 }
             },
         );
-        let color = Tape::new(&scene.graph, &background.color);
+        let colour = Tape::new(&scene.graph, &background.colour);
         let mut found = Self {
             name: object.name.clone(),
             image: stated_word(&object.attributes, "image").map(str::to_owned),
@@ -124,10 +124,10 @@ impl DeclaredBackground {
             uniforms,
             turn,
             attributes,
-            color,
+            colour,
             picture_look,
         };
-        let mut inputs = found.color.inputs().iter();
+        let mut inputs = found.colour.inputs().iter();
         if !inputs.any(|input| matches!(input, Input::Variable(_))) {
             found.constant = Some(found.shining(DVec3::NAN));
         }
@@ -151,20 +151,20 @@ impl DeclaredBackground {
 
     /// Returns true if the colour depends only on the height of a direction.
     pub(super) fn is_level(&self) -> bool {
-        let mut inputs = self.color.inputs().iter();
+        let mut inputs = self.colour.inputs().iter();
         inputs.all(|input| !matches!(input, Input::Variable(0 | 1)))
     }
 
     /// Returns the linear light of the colour in a unit direction.
     fn shining(&self, direction: DVec3) -> DVec3 {
-        let color = evaluated(
-            &self.color,
+        let colour = evaluated(
+            &self.colour,
             &direction.to_array(),
             &self.uniforms,
             DVec3::from_slice,
         );
-        if color.is_finite() {
-            self.picture_look.light(color.max(DVec3::ZERO))
+        if colour.is_finite() {
+            self.picture_look.light(colour.max(DVec3::ZERO))
         } else {
             DVec3::ZERO
         }
@@ -211,7 +211,7 @@ pub(super) fn lights(
             |numbers: &AttributeNumbers| {
                 let number = numbers.number();
                 match numbers.attribute {
-                    A::Color => light.color = picture_look.light(numbers.vector()),
+                    A::Colour => light.colour = picture_look.light(numbers.vector()),
                     A::Power => power = number,
                     A::Ambient => light.ambient = number,
                     A::Falloff => light.falloff = Some(number),
@@ -223,8 +223,8 @@ pub(super) fn lights(
                 }
             },
         );
-        light.color *= power;
-        light.highlight = light.color;
+        light.colour *= power;
+        light.highlight = light.colour;
         light.kind = match (position, direction, radius) {
             (Some(position), None, _) => LightKind::Point(position),
             (None, Some(direction), _) => LightKind::Parallel(direction),

@@ -38,7 +38,7 @@ pub struct VaryingList<'a> {
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum VaryingAttribute {
     /// The stated colour.
-    Color,
+    Colour,
     /// The fraction that is reflected, by colour.
     Mirror,
     /// The fraction that is reflected or refracted.
@@ -83,7 +83,7 @@ impl LookProgram {
             let stated = found.attributes.into_iter();
             let stated = stated.filter_map(|(attribute, numbers)| {
                 let attribute = match attribute {
-                    A::Color => VaryingAttribute::Color,
+                    A::Colour => VaryingAttribute::Colour,
                     A::Mirror => VaryingAttribute::Mirror,
                     A::Glass => VaryingAttribute::Glass,
                     A::Diffuse => VaryingAttribute::Diffuse,
@@ -93,9 +93,9 @@ impl LookProgram {
                     A::Bump if matches!(place, FacePlace::Within(_)) => VaryingAttribute::Bump,
                     _ => return None,
                 };
-                let colored = [VaryingAttribute::Color, VaryingAttribute::Mirror];
+                let coloured = [VaryingAttribute::Colour, VaryingAttribute::Mirror];
                 let numbers = match numbers {
-                    [one] if colored.contains(&attribute) => vec![*one; 3],
+                    [one] if coloured.contains(&attribute) => vec![*one; 3],
                     numbers => numbers.to_vec(),
                 };
                 Some((attribute, numbers))

@@ -98,7 +98,7 @@ fn value_type(value: ValueType) -> &'static str {
         ValueType::Number(_) => "Float",
         ValueType::Integer(_) => "Integer",
         ValueType::Vector => "Vector",
-        ValueType::Color => "Color",
+        ValueType::Colour => "Color",
         ValueType::Text | ValueType::Choice(_) | ValueType::Image => "String",
         ValueType::Material => "Material",
         ValueType::Background => "Background",

@@ -98,7 +98,7 @@ pub struct ScriptNames {
     /// The positions of the `>` that close modifiers.
     pub modifier_ends: Vec<u32>,
     /// The calls of `rgb` with numbers.
-    pub colors: Vec<(Span, [f64; 3])>,
+    pub colours: Vec<(Span, [f64; 3])>,
     /// The strings that name images, with the spans between their quotes.
     pub images: Vec<(Span, Arc<str>)>,
 }
@@ -436,13 +436,13 @@ impl Walk {
                         }
                     }
                 }
-                let color = match suffixes.first().map(|it| &it.kind) {
-                    Some(SuffixKind::Call(arguments)) => stated_color(base, arguments),
+                let colour = match suffixes.first().map(|it| &it.kind) {
+                    Some(SuffixKind::Call(arguments)) => written_colour(base, arguments),
                     _ => None,
                 };
-                if let (Some(color), Some(call)) = (color, suffixes.first()) {
+                if let (Some(colour), Some(call)) = (colour, suffixes.first()) {
                     let span = Span::new(expression.span.start, call.span.end).moved(self.base);
-                    self.names.colors.push((span, color));
+                    self.names.colours.push((span, colour));
                 }
             }
         }
@@ -451,16 +451,16 @@ impl Walk {
 
 /// Returns the colour of a call of `rgb` with numbers. `rgba` is excluded: it has a fourth number, which a picker would
 /// drop.
-fn stated_color(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
+fn written_colour(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
     let is_rgb = called.identifier().is_some_and(|name| &**name == "rgb");
     if !is_rgb || arguments.len() != 3 {
         return None;
     }
-    let mut color = [0.0; 3];
-    for (place, part) in color.iter_mut().zip(arguments) {
+    let mut colour = [0.0; 3];
+    for (place, part) in colour.iter_mut().zip(arguments) {
         *place = number(part)?;
     }
-    Some(color)
+    Some(colour)
 }
 
 fn number(expression: &Expression) -> Option<f64> {

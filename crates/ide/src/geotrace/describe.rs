@@ -70,7 +70,7 @@ pub(crate) fn range_and_default(row: &AttributeRow) -> String {
     let range = |range: AttributeRange| range.text().unwrap_or("any number");
     let values = match row.value {
         AttributeType::Number(numbers) => range(numbers).to_owned(),
-        AttributeType::Color(numbers) => format!("{}, or three of them", range(numbers)),
+        AttributeType::Colour(numbers) => format!("{}, or three of them", range(numbers)),
         AttributeType::Pair => "two numbers".to_owned(),
         AttributeType::Choice(words) => words.join(" "),
         AttributeType::Name => "a word".to_owned(),
@@ -233,7 +233,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
             vector(camera.position)?
         ),
         Shape::Background(background) if item.parameters().len() == 0 => {
-            format!("the colour {}", vector(background.color)?)
+            format!("the colour {}", vector(background.colour)?)
         }
         Shape::Background(_) => "a colour for each unit direction".to_owned(),
         _ => return None,

@@ -32,7 +32,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     };
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| DVec3::ONE,
+        colour: &|_| DVec3::ONE,
         thickness: None,
         picture_look: Default::default(),
     };

@@ -153,7 +153,7 @@ impl SolidScene {
             &request.params,
             &RaySceneOptions {
                 shown,
-                color: &|_| srgb(style::SOLID_COLOUR),
+                colour: &|_| srgb(style::SOLID_COLOUR),
                 thickness: None,
                 picture_look: Default::default(),
             },
@@ -224,7 +224,7 @@ impl TracedScene {
             &request.params,
             &RaySceneOptions {
                 shown: &|id| !key.hidden.contains(&id),
-                color: &|id| {
+                colour: &|id| {
                     key.colours
                         .get(id.index())
                         .map_or(DVec3::ONE, |it| srgb(*it))

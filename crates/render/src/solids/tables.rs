@@ -84,7 +84,7 @@ impl TableLook {
     /// True if its colour depends on the place.
     pub(crate) fn varies_in_color(&self) -> bool {
         let mut all = self.lists.iter().flat_map(|list| &list.attributes);
-        all.any(|attribute| *attribute == VaryingAttribute::Color)
+        all.any(|attribute| *attribute == VaryingAttribute::Colour)
     }
 }
 
@@ -330,7 +330,7 @@ impl AttributeList {
 fn bits(look: &FaceLook) -> Vec<u64> {
     let scattered = look.diffuse.unwrap_or(-1.0);
     let shares = [scattered, look.specular, look.shininess, look.glass];
-    let colors = [look.color, look.mirror].map(|color| color.to_array());
-    let numbers = shares.iter().chain(colors.iter().flatten());
+    let colours = [look.colour, look.mirror].map(|colour| colour.to_array());
+    let numbers = shares.iter().chain(colours.iter().flatten());
     numbers.map(|number| number.to_bits()).collect()
 }

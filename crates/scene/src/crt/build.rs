@@ -197,7 +197,7 @@ impl SceneBuilder {
 
     fn material(&mut self, material: &Material) -> Arc<Vec<Attribute>> {
         let Material {
-            color,
+            colour,
             reflectivity,
             transparency,
             refractiveindex,
@@ -206,7 +206,7 @@ impl SceneBuilder {
             shininess,
         } = *material;
         let bits = |number: f64| Some(number.to_bits());
-        let [red, green, blue] = color.map(bits);
+        let [red, green, blue] = colour.map(bits);
         let key = [
             red,
             green,
@@ -222,7 +222,7 @@ impl SceneBuilder {
             return known.clone();
         }
         let mut stated = vec![
-            self.numbers("color", &color),
+            self.numbers("color", &colour),
             self.numbers("specular", &[specularity]),
             self.numbers("shininess", &[shininess]),
         ];
@@ -242,7 +242,7 @@ impl SceneBuilder {
     }
 
     fn light(&mut self, k: usize, light: &ScriptLight) -> Object {
-        let mut stated = vec![self.numbers("color", &light.color)];
+        let mut stated = vec![self.numbers("color", &light.colour)];
         if light.ambient > 0.0 {
             stated.push(self.numbers("ambient", &[light.ambient]));
         }
@@ -288,38 +288,38 @@ impl SceneBuilder {
     }
 
     fn background(&mut self, background: &Background) -> Object {
-        let color = match (background.horizon, background.sky, background.color) {
+        let colour = match (background.horizon, background.sky, background.colour) {
             (None, None, None) => [1.0; 3],
-            (None, None, Some(color)) => color,
-            (horizon, sky, color) => {
-                let other = color.unwrap_or([1.0; 3]);
+            (None, None, Some(colour)) => colour,
+            (horizon, sky, colour) => {
+                let other = colour.unwrap_or([1.0; 3]);
                 let (horizon, sky) = (horizon.unwrap_or(other), sky.unwrap_or(other));
                 let graph = &mut self.graph;
                 let z = graph.input(Input::Variable(2));
                 let share = graph.unary(Unary::Abs, z);
                 let one = graph.constant(1.0);
                 let rest = graph.sub(one, share);
-                let color = [0, 1, 2].map(|k| {
+                let colour = [0, 1, 2].map(|k| {
                     let low = graph.constant(horizon[k]);
                     let high = graph.constant(sky[k]);
                     let low = graph.mul(low, rest);
                     let high = graph.mul(high, share);
                     graph.add(low, high)
                 });
-                return self.sky(color, background);
+                return self.sky(colour, background);
             }
         };
-        let color = color.map(|part| self.graph.constant(part));
-        self.sky(color, background)
+        let colour = colour.map(|part| self.graph.constant(part));
+        self.sky(colour, background)
     }
 
-    fn sky(&mut self, color: [NodeId; 3], background: &Background) -> Object {
+    fn sky(&mut self, colour: [NodeId; 3], background: &Background) -> Object {
         let mut stated = Vec::new();
         if let Some(image) = &background.image {
             stated.push(word("image", image));
             stated.push(self.numbers("turn", &[background.angle - FRAC_PI_2]));
         }
-        let shape = Shape::Background(solid::Background { color });
+        let shape = Shape::Background(solid::Background { colour });
         self.staged("background".to_owned(), Span::default(), shape, stated)
     }
 

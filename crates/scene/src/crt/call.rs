@@ -125,7 +125,7 @@ impl Interpreter<'_> {
         let numbers = numbers.unwrap_or_default();
         Ok(match (name, &numbers[..]) {
             ("vec3", &[x, y, z]) => ScriptValue::Vector([x, y, z]),
-            ("rgb", &[r, g, b]) | ("rgba", &[r, g, b, _]) => ScriptValue::Color([r, g, b]),
+            ("rgb", &[r, g, b]) | ("rgba", &[r, g, b, _]) => ScriptValue::Colour([r, g, b]),
             ("sin", [x]) => ScriptValue::Float(x.sin()),
             ("cos", [x]) => ScriptValue::Float(x.cos()),
             ("tan", [x]) => ScriptValue::Float(x.tan()),

@@ -475,8 +475,8 @@ impl<'w> Writer<'w> {
             let space = if light.direction.is_some() { " " } else { "" };
             let _ = write!(text, "{space}@ {place}");
         }
-        let color = light.color.map(|part| part.max(0.0));
-        let _ = write!(text, ", color : {}", tuple(color));
+        let colour = light.colour.map(|part| part.max(0.0));
+        let _ = write!(text, ", color : {}", tuple(colour));
         let mut state = |word: &str, value: f64| {
             let _ = write!(text, ", {word} : {}", number(value));
         };
@@ -537,10 +537,12 @@ impl<'w> Writer<'w> {
         if path.is_some_and(|path| !is_below(path)) {
             self.remark("The image of the script is not a file below its folder, and is not shown");
         }
-        let mut text = match (background.horizon, background.sky, background.color) {
-            (None, None, color) => format!("background {name} = {}", tuple(color.unwrap_or(white))),
-            (horizon, sky, color) => {
-                let other = color.unwrap_or(white);
+        let mut text = match (background.horizon, background.sky, background.colour) {
+            (None, None, colour) => {
+                format!("background {name} = {}", tuple(colour.unwrap_or(white)))
+            }
+            (horizon, sky, colour) => {
+                let other = colour.unwrap_or(white);
                 let [low, high] = [horizon, sky].map(|it| tuple(it.unwrap_or(other)));
                 format!("background {name}(x, y, z) = (1 - abs z){low} + (abs z){high}")
             }

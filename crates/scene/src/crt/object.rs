@@ -40,7 +40,7 @@ impl Stated {
 
     fn triple(&self, word: &str) -> Option<[f64; 3]> {
         match self.get(word)? {
-            ScriptValue::Vector(parts) | ScriptValue::Color(parts) => Some(*parts),
+            ScriptValue::Vector(parts) | ScriptValue::Colour(parts) => Some(*parts),
             _ => None,
         }
     }
@@ -72,7 +72,7 @@ impl Interpreter<'_> {
                 angle: stated.number_or("angle", 0.0),
                 horizon: stated.triple("horizon"),
                 sky: stated.triple("sky"),
-                color: stated.triple("color"),
+                colour: stated.triple("color"),
             }))),
             ObjectName::PointLight
             | ObjectName::ParallelLight
@@ -194,7 +194,7 @@ impl Interpreter<'_> {
                 is_whole || matches!(row.value, ValueType::Number(_))
             }
             (ValueType::Vector, ScriptValue::Vector(parts))
-            | (ValueType::Color, ScriptValue::Color(parts)) => {
+            | (ValueType::Colour, ScriptValue::Colour(parts)) => {
                 if parts.iter().any(|part| !part.is_finite()) {
                     let message = format!("`{word}` has a component that is not a finite number");
                     return Err(self.fault(codes::OUT_OF_RANGE, span, message));
@@ -230,7 +230,7 @@ impl Interpreter<'_> {
             ValueType::Number(_) => "a number",
             ValueType::Integer(_) => "an Integer",
             ValueType::Vector => "a Vector",
-            ValueType::Color => "a Color",
+            ValueType::Colour => "a Color",
             ValueType::Text | ValueType::Choice(_) | ValueType::Image => "a String",
             ValueType::Material => "a Material",
             ValueType::Background => "a Background",
@@ -293,7 +293,7 @@ impl Interpreter<'_> {
         Ok(ScriptValue::Light(Arc::new(ScriptLight {
             position: stated.triple("origin"),
             direction,
-            color: stated.triple("color").unwrap_or([1.0; 3]),
+            colour: stated.triple("color").unwrap_or([1.0; 3]),
             ambient: stated.number_or("ambient", 0.0),
             falloff: stated.number_or("falloff", -1.0),
             angle: (name == ObjectName::SpotLight).then(|| stated.number_or("angle", 60.0)),
@@ -428,7 +428,7 @@ fn material(stated: &Stated) -> Material {
         stated.number_or(word, other)
     };
     Material {
-        color: stated.triple("color").unwrap_or(default.color),
+        colour: stated.triple("color").unwrap_or(default.colour),
         reflectivity: number("reflectivity"),
         transparency: number("transparency"),
         refractiveindex: number("refractiveindex"),

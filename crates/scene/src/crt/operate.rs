@@ -93,23 +93,23 @@ pub(super) fn binary(operator: B, a: &ScriptValue, b: &ScriptValue) -> Result<Sc
         (B::Add | B::Subtract, ScriptValue::Vector(a), ScriptValue::Vector(b)) => {
             Ok(ScriptValue::Vector(joined(operator, a, b)))
         }
-        (B::Add | B::Subtract, ScriptValue::Color(a), ScriptValue::Color(b)) => {
-            Ok(ScriptValue::Color(joined(operator, a, b)))
+        (B::Add | B::Subtract, ScriptValue::Colour(a), ScriptValue::Colour(b)) => {
+            Ok(ScriptValue::Colour(joined(operator, a, b)))
         }
         (B::Multiply | B::Divide, ScriptValue::Vector(v), other) => match other.number() {
             Some(by) => Ok(ScriptValue::Vector(scaled(operator, v, by))),
             None => mismatch(),
         },
-        (B::Multiply | B::Divide, ScriptValue::Color(c), other) => match other.number() {
-            Some(by) => Ok(ScriptValue::Color(scaled(operator, c, by))),
+        (B::Multiply | B::Divide, ScriptValue::Colour(c), other) => match other.number() {
+            Some(by) => Ok(ScriptValue::Colour(scaled(operator, c, by))),
             None => mismatch(),
         },
         (B::Multiply, other, ScriptValue::Vector(v)) => match other.number() {
             Some(by) => Ok(ScriptValue::Vector(scaled(operator, v, by))),
             None => mismatch(),
         },
-        (B::Multiply, other, ScriptValue::Color(c)) => match other.number() {
-            Some(by) => Ok(ScriptValue::Color(scaled(operator, c, by))),
+        (B::Multiply, other, ScriptValue::Colour(c)) => match other.number() {
+            Some(by) => Ok(ScriptValue::Colour(scaled(operator, c, by))),
             None => mismatch(),
         },
         _ => mismatch(),

@@ -15,7 +15,7 @@ pub(super) enum ScriptValue {
     Boolean(bool),
     List(Arc<List>),
     Vector([f64; 3]),
-    Color([f64; 3]),
+    Colour([f64; 3]),
     Material(Arc<Material>),
     Light(Arc<ScriptLight>),
     Camera(Arc<ScriptCamera>),
@@ -46,7 +46,7 @@ pub(super) struct MacroValue {
 /// The look of an entity.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Material {
-    pub(super) color: [f64; 3],
+    pub(super) colour: [f64; 3],
     pub(super) reflectivity: f64,
     pub(super) transparency: f64,
     pub(super) refractiveindex: f64,
@@ -60,7 +60,7 @@ pub(super) struct Material {
 pub(super) struct ScriptLight {
     pub(super) position: Option<[f64; 3]>,
     pub(super) direction: Option<[f64; 3]>,
-    pub(super) color: [f64; 3],
+    pub(super) colour: [f64; 3],
     pub(super) ambient: f64,
     pub(super) falloff: f64,
     /// In degrees.
@@ -92,7 +92,7 @@ pub(super) struct Background {
     pub(super) angle: f64,
     pub(super) horizon: Option<[f64; 3]>,
     pub(super) sky: Option<[f64; 3]>,
-    pub(super) color: Option<[f64; 3]>,
+    pub(super) colour: Option<[f64; 3]>,
 }
 
 /// The block `Settings`.
@@ -110,7 +110,7 @@ pub(super) struct ScriptSettings {
 impl Default for Material {
     fn default() -> Self {
         Self {
-            color: [0.5; 3],
+            colour: [0.5; 3],
             reflectivity: 0.0,
             transparency: 0.0,
             refractiveindex: 1.5,
@@ -163,7 +163,7 @@ impl ScriptValue {
             Self::Boolean(_) => "Boolean",
             Self::List(_) => "List",
             Self::Vector(_) => "Vector",
-            Self::Color(_) => "Color",
+            Self::Colour(_) => "Color",
             Self::Material(_) => "Material",
             Self::Light(_) => "Light",
             Self::Camera(_) => "Camera",
@@ -185,7 +185,7 @@ impl ScriptValue {
     /// Returns the components of a number, a vector or a colour.
     pub(super) fn numbers(&self) -> Vec<f64> {
         match self {
-            Self::Vector(parts) | Self::Color(parts) => parts.to_vec(),
+            Self::Vector(parts) | Self::Colour(parts) => parts.to_vec(),
             other => other.number().into_iter().collect(),
         }
     }
@@ -208,7 +208,7 @@ impl ScriptValue {
             (Self::Integer(a), Self::Integer(b)) => a == b,
             (Self::Text(a), Self::Text(b)) => a == b,
             (Self::Boolean(a), Self::Boolean(b)) => a == b,
-            (Self::Vector(a), Self::Vector(b)) | (Self::Color(a), Self::Color(b)) => a == b,
+            (Self::Vector(a), Self::Vector(b)) | (Self::Colour(a), Self::Colour(b)) => a == b,
             (Self::Material(a), Self::Material(b)) => a == b,
             (Self::Light(a), Self::Light(b)) => a == b,
             (Self::Camera(a), Self::Camera(b)) => a == b,
@@ -251,7 +251,7 @@ impl ScriptValue {
         let text = match self {
             Self::Text(text) => format!("{text:?}"),
             Self::Vector(vector) => parts("vec3", vector),
-            Self::Color(color) => parts("rgb", color),
+            Self::Colour(colour) => parts("rgb", colour),
             Self::List(list) => {
                 into.push('[');
                 for (k, item) in list.items.iter().enumerate() {

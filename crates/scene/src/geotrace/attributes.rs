@@ -118,7 +118,7 @@ impl Declarations {
     ) -> Option<AttributeValue> {
         let (counts, what, range): (&[usize], &str, _) = match row.value {
             AttributeType::Number(range) => (&[1], "a number", range),
-            AttributeType::Color(range) => (&[1, 3], "a number or three", range),
+            AttributeType::Colour(range) => (&[1, 3], "a number or three", range),
             AttributeType::Pair => (&[2], "a vector of dimension 2", AttributeRange::ANY),
             AttributeType::Choice(_) | AttributeType::Name => return None,
         };

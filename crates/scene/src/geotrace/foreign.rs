@@ -21,7 +21,7 @@ const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
 }
 
 /// The name of a colour.
-macro_rules! color {
+macro_rules! colour {
     ($word:literal, $value:literal) => {
         ForeignWord {
             word: $word,
@@ -150,21 +150,21 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
         is_applied: Some(true),
         ..written("vec3", "a vector is written `(1, 2, 3)`", "")
     },
-    color!("red", "(1, 0, 0)"),
-    color!("green", "(0, 0.5, 0)"),
-    color!("blue", "(0, 0, 1)"),
-    color!("yellow", "(1, 1, 0)"),
-    color!("orange", "(1, 0.65, 0)"),
-    color!("cyan", "(0, 1, 1)"),
-    color!("magenta", "(1, 0, 1)"),
-    color!("purple", "(0.5, 0, 0.5)"),
-    color!("pink", "(1, 0.75, 0.8)"),
-    color!("brown", "(0.65, 0.16, 0.16)"),
-    color!("gold", "(1, 0.84, 0)"),
-    color!("white", "(1, 1, 1)"),
-    color!("gray", "(0.5, 0.5, 0.5)"),
-    color!("grey", "(0.5, 0.5, 0.5)"),
-    color!("black", "(0, 0, 0)"),
+    colour!("red", "(1, 0, 0)"),
+    colour!("green", "(0, 0.5, 0)"),
+    colour!("blue", "(0, 0, 1)"),
+    colour!("yellow", "(1, 1, 0)"),
+    colour!("orange", "(1, 0.65, 0)"),
+    colour!("cyan", "(0, 1, 1)"),
+    colour!("magenta", "(1, 0, 1)"),
+    colour!("purple", "(0.5, 0, 0.5)"),
+    colour!("pink", "(1, 0.75, 0.8)"),
+    colour!("brown", "(0.65, 0.16, 0.16)"),
+    colour!("gold", "(1, 0.84, 0)"),
+    colour!("white", "(1, 1, 1)"),
+    colour!("gray", "(0.5, 0.5, 0.5)"),
+    colour!("grey", "(0.5, 0.5, 0.5)"),
+    colour!("black", "(0, 0, 0)"),
     ForeignWord {
         is_applied: Some(false),
         ..explained("i", "numbers are real: a complex number is a pair `(x, y)`")

@@ -143,14 +143,14 @@ impl Declarations {
             self.found.push(error.at(interval.read.span));
             is_sound = false;
         }
-        let color = self.color(body, &lowered);
+        let colour = self.colour(body, &lowered);
         let (attributes, stated) = self.stated(declaration.keyword, count);
-        let color = color.filter(|_| is_sound)?;
+        let colour = colour.filter(|_| is_sound)?;
         let all = self
             .lowerer
             .dependencies
             .union(lowered.dependencies, stated);
-        let shape = Shape::Background(Background { color });
+        let shape = Shape::Background(Background { colour });
         let drawn = self.object(declaration, shape, all, attributes);
         if !self.is_checker && self.has_background && drawn.is_some() {
             let message = format!("`{}` is a second background", declaration.name);
@@ -160,7 +160,7 @@ impl Declarations {
             return None;
         }
         let span = self.lowerer.code.span(body);
-        let warning = self.bytes_of_background(declaration.name, color, span);
+        let warning = self.bytes_of_background(declaration.name, colour, span);
         self.found.extend(warning);
         let meaning = match count {
             0 => constant(lowered.value?, lowered.dependencies),
@@ -173,13 +173,13 @@ impl Declarations {
     fn bytes_of_background(
         &self,
         name: &str,
-        color: [NodeId; 3],
+        colour: [NodeId; 3],
         span: Span,
     ) -> Option<Diagnostic> {
         // A sky may be brighter than white.
         const ALL_ABOVE: f64 = 2.0;
         const ONE_ABOVE: f64 = 16.0;
-        let found = self.lowerer.numbers(&color);
+        let found = self.lowerer.numbers(&colour);
         let is_byte = found.iter().all(|number| (0.0..=255.0).contains(number));
         let is_bright = found.iter().all(|number| *number >= ALL_ABOVE)
             || found.iter().any(|number| *number > ONE_ABOVE);
@@ -196,13 +196,13 @@ impl Declarations {
     }
 
     /// Returns red, green and blue of a value.
-    fn color(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
+    fn colour(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
         let value = lowered.value.as_ref()?;
         if let Value::Number(grey) = value {
             return Some([*grey; 3]);
         }
-        if let Ok(color) = <[NodeId; 3]>::try_from(value.components()) {
-            return Some(color);
+        if let Ok(colour) = <[NodeId; 3]>::try_from(value.components()) {
+            return Some(colour);
         }
         let message = format!(
             "a colour is a number or three, but this is {}",

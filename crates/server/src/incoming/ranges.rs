@@ -77,7 +77,7 @@ pub(super) async fn document_color(
 ) -> Result<Vec<lsp::ColorInformation>> {
     server
         .ask(&params.text_document.uri, |snapshot| {
-            let stated = snapshot.analysis().colors();
+            let stated = snapshot.analysis().colours();
             let stated = stated.iter().map(|color| to_lsp::color(snapshot, color));
             stated.collect()
         })
@@ -96,7 +96,7 @@ pub(super) async fn color_presentation(
             } = params.color;
             let texts = snapshot
                 .analysis()
-                .color_texts(range, [red, green, blue].map(f64::from));
+                .colour_texts(range, [red, green, blue].map(f64::from));
             let texts = texts.into_iter();
             let texts = texts.map(|text| to_lsp::color_presentation(snapshot, range, text));
             texts.collect()

@@ -22,7 +22,7 @@ pub struct Highlighter {
 
 impl Highlighter {
     /// Changes the colour of the token at a span.
-    fn recolor(&mut self, span: Span, kind: HighlightKind) {
+    fn recolour(&mut self, span: Span, kind: HighlightKind) {
         let found = self.highlights.binary_search_by_key(&span, |it| it.0);
         if let Ok(index) = found {
             self.highlights[index].1 = kind;
@@ -39,7 +39,7 @@ impl Actions for Highlighter {
 
     fn act_step(&mut self, step: ParseStep<'_>, span: Span) {
         match step {
-            ParseStep::Attribute(name) => self.recolor(name, HighlightKind::Constant),
+            ParseStep::Attribute(name) => self.recolour(name, HighlightKind::Constant),
             ParseStep::Call(brackets, _) => {
                 // A name right before the brackets is called.
                 let before = self

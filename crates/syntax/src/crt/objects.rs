@@ -15,7 +15,7 @@ pub enum ValueType {
     /// A vector.
     Vector,
     /// A colour.
-    Color,
+    Colour,
     /// A string.
     Text,
     /// One of these strings; the first is the default.
@@ -44,7 +44,7 @@ pub enum DefaultValue {
     /// A vector.
     Vector([f64; 3]),
     /// A colour.
-    Color([f64; 3]),
+    Colour([f64; 3]),
     /// A string.
     Text(&'static str),
     /// A value that is described by a phrase and created by the interpreter.
@@ -59,7 +59,7 @@ impl DefaultValue {
             Self::Number(number) => number.to_string(),
             Self::Integer(number) => number.to_string(),
             Self::Vector([x, y, z]) => format!("vec3({x}, {y}, {z})"),
-            Self::Color([red, green, blue]) => format!("rgb({red}, {green}, {blue})"),
+            Self::Colour([red, green, blue]) => format!("rgb({red}, {green}, {blue})"),
             Self::Text(text) => format!("\"{text}\""),
             Self::Phrase(phrase) => phrase.to_owned(),
         })
@@ -179,7 +179,7 @@ const OPENING: ValueType = ValueType::Number(AttributeRange {
 const COUNT: ValueType = ValueType::Integer(AttributeRange::closed(1.0, 65_536.0));
 const DEPTH: ValueType = ValueType::Integer(AttributeRange::closed(0.0, 64.0));
 const VECTOR: ValueType = ValueType::Vector;
-const COLOR: ValueType = ValueType::Color;
+const COLOUR: ValueType = ValueType::Colour;
 const TEXT: ValueType = ValueType::Text;
 const MATERIAL: ValueType = ValueType::Material;
 /// The shapes of a lens. `uniform` is a square box.
@@ -237,7 +237,7 @@ objects! {
         "material" MATERIAL, "", PLAIN, "its material";
     }
     Material Material "the look of an entity" {
-        "color" COLOR, "", DefaultValue::Color([0.5, 0.5, 0.5]), "its colour";
+        "color" COLOUR, "", DefaultValue::Colour([0.5, 0.5, 0.5]), "its colour";
         "reflectivity" SHARE, "", number(0.0), "the fraction of light that is reflected as by a mirror";
         "transparency" SHARE, "", number(0.0), "the fraction of light that is transmitted";
         "refractiveindex" POSITIVE, "", number(1.5), "the index of refraction inside";
@@ -257,20 +257,20 @@ objects! {
     }
     PointLight Light "a light that shines in all directions" {
         "origin" VECTOR, "", Required, "its position";
-        "color" COLOR, "", Required, "its colour";
+        "color" COLOUR, "", Required, "its colour";
         "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
         "falloff" ANY, "", number(-1.0), "the intensity at distance 1, which falls with the inverse square of the distance; at 0 or below the intensity is constant";
     }
     ParallelLight Light "a light whose rays are parallel" {
         "from" VECTOR, "", Required, "the point that it comes from";
         "pointing" VECTOR, "", Required, "the point that it shines at";
-        "color" COLOR, "", Required, "its colour";
+        "color" COLOUR, "", Required, "its colour";
         "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
     }
     SpotLight Light "a light that shines in a cone" {
         "origin" VECTOR, "", Required, "its position";
         "pointing" VECTOR, "", Required, "the point that it shines at";
-        "color" COLOR, "", Required, "its colour";
+        "color" COLOUR, "", Required, "its colour";
         "angle" OPENING, "degrees", number(60.0), "the full opening of its cone";
         "softness" SHARE, "", number(0.2), "the fraction of its opening over which it fades to its edge";
         "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
@@ -280,7 +280,7 @@ objects! {
         "origin" VECTOR, "", Required, "its position";
         "pointing" VECTOR, "", Required, "the point that it shines at";
         "radius" POSITIVE, "", Required, "the radius of the beam";
-        "color" COLOR, "", Required, "its colour";
+        "color" COLOUR, "", Required, "its colour";
         "softness" SHARE, "", number(0.2), "the fraction of its radius over which it fades to its edge";
         "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
         "falloff" ANY, "", number(-1.0), "the intensity at distance 1, which falls with the inverse square of the distance; at 0 or below the intensity is constant";
@@ -288,9 +288,9 @@ objects! {
     Background Background "the colour or image where no object is hit" {
         "image" ValueType::Image, "", Phrase("none"), "an image around the scene: a path beside the script or in `--images`";
         "angle" ANY, "radians", number(0.0), "the angle by which the image is rotated about y";
-        "horizon" COLOR, "", Phrase("none"), "the colour at the horizon";
-        "sky" COLOR, "", Phrase("none"), "the colour straight up and down";
-        "color" COLOR, "", Phrase("white, unless `image` or `horizon` and `sky` are stated"), "its colour";
+        "horizon" COLOUR, "", Phrase("none"), "the colour at the horizon";
+        "sky" COLOUR, "", Phrase("none"), "the colour straight up and down";
+        "color" COLOUR, "", Phrase("white, unless `image` or `horizon` and `sky` are stated"), "its colour";
     }
     Settings Settings "the settings of the picture" {
         "title" TEXT, "", NO_TEXT, "the name of the scene";

@@ -17,7 +17,7 @@ pub enum AttributeType {
     /// An expression: a number within a range.
     Number(AttributeRange),
     /// An expression: one or three numbers within a range.
-    Color(AttributeRange),
+    Colour(AttributeRange),
     /// An expression: two numbers.
     Pair,
     /// One of these words; the first is the default.
@@ -103,12 +103,12 @@ attributes! {
     Falloff "falloff" Angle "angle" Soft "soft" Size "size" Fov "fov" Focus "focus" Aperture "aperture" Bokeh "bokeh"
     Roll "roll" Projection "projection" Turn "turn";
 
-    Color on &[Curve, Surface, Point, Vector, Geodesic, Solid, Metric], AttributeType::Color(AttributeRange::SHARE),
+    Color on &[Curve, Surface, Point, Vector, Geodesic, Solid, Metric], AttributeType::Colour(AttributeRange::SHARE),
         "the window's; (0.88, 0.86, 0.82) for a solid, 1 where it is glass",
         "the colour: a grey or (red, green, blue), sRGB", "color : (0.8, 0.3, 0.1)";
-    Color on &[Light], AttributeType::Color(AttributeRange::NOT_NEGATIVE), "1",
+    Color on &[Light], AttributeType::Colour(AttributeRange::NOT_NEGATIVE), "1",
         "the light's colour: a grey or (red, green, blue), sRGB", "color : (1, 0.9, 0.7)";
-    Mirror on DRAWN, AttributeType::Color(AttributeRange::SHARE), "0",
+    Mirror on DRAWN, AttributeType::Colour(AttributeRange::SHARE), "0",
         "the fraction of light that is reflected as by a mirror: one number, or one for each of red, green and blue", "mirror : 0.3";
     Glass on FACES, AttributeType::Number(AttributeRange::SHARE), "0",
         "the fraction of light that is reflected or refracted as by glass", "glass : 0.9";

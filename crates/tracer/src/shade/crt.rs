@@ -16,7 +16,7 @@ pub(super) const PARALLEL_REACH: f64 = 1e4;
 
 /// Light that comes everywhere.
 pub(super) fn ambient(look: &FaceLook, light: &Light) -> DVec3 {
-    light.ambient * light.color * (DVec3::ONE - look.mirror)
+    light.ambient * light.colour * (DVec3::ONE - look.mirror)
 }
 
 /// Returns the light that a face sends, if this share of a light comes to it.
@@ -29,5 +29,5 @@ pub(super) fn lit(face: &LitFace<'_>, light: &Light, visible: DVec3) -> DVec3 {
     let along = away.dot(face.direction).max(0.0);
     let highlight = look.specular * along.powf(look.shininess);
     let shared = visible * seen.share;
-    shared * look.color * (look.scattered() * height * light.color + highlight * light.highlight)
+    shared * look.colour * (look.scattered() * height * light.colour + highlight * light.highlight)
 }

@@ -84,7 +84,7 @@ impl LitFaces {
                     block.used.add(lane, true);
                     block.shiny.add(lane, is_shiny);
                     let medium = path.media.last();
-                    let is_tinted = medium.is_some_and(|medium| medium.color != DVec3::ONE);
+                    let is_tinted = medium.is_some_and(|medium| medium.colour != DVec3::ONE);
                     block.tinted.add(lane, is_tinted);
                     let [r, g, b] = &mut block.scattered;
                     (r[lane], g[lane], b[lane]) = met.scattered().into();
@@ -108,13 +108,13 @@ impl LitFaces {
 impl LitBlock {
     /// Adds the light that comes from everywhere.
     fn add_ambient(&mut self, light: &Light, look: PictureLook, faces: &[MetFace]) {
-        let color = light.color.to_array();
+        let colour = light.colour.to_array();
         match look {
             PictureLook::Geotrace => {
-                for (k, color) in color.into_iter().enumerate() {
+                for (k, colour) in colour.into_iter().enumerate() {
                     let scattered = self.scattered[k];
                     for (out, scattered) in self.out[k].iter_mut().zip(scattered) {
-                        *out += scattered * light.ambient * color;
+                        *out += scattered * light.ambient * colour;
                     }
                 }
             }
@@ -134,15 +134,15 @@ impl LitBlock {
         b[lane] += light.z;
     }
 
-    fn at(colors: &[[f64; MOST_LANES]; 3], lane: usize) -> DVec3 {
-        let [r, g, b] = colors;
+    fn at(colours: &[[f64; MOST_LANES]; 3], lane: usize) -> DVec3 {
+        let [r, g, b] = colours;
         DVec3::new(r[lane], g[lane], b[lane])
     }
 }
 
 /// Adds what plain faces scatter of a light.
 struct ScatteredLight<'a> {
-    color: [f64; 3],
+    colour: [f64; 3],
     blocks: &'a mut [LitBlock],
     seen: &'a [SeenBlock],
 }
@@ -161,9 +161,9 @@ impl VectorWork for ScatteredLight<'_> {
                 let is_plain = Mask::of(s, block.plain, part);
                 let share = Vector::load(s, &seen.share, part);
                 let height = Vector::load(s, &seen.height, part);
-                for (k, color) in self.color.into_iter().enumerate() {
+                for (k, colour) in self.colour.into_iter().enumerate() {
                     let scattered = Vector::load(s, &block.scattered[k], part);
-                    let light = share * (Vector::splat(s, color) * scattered * height);
+                    let light = share * (Vector::splat(s, colour) * scattered * height);
                     let out = Vector::load(s, &block.out[k], part);
                     (out + is_plain.choose(light, zero)).store(&mut block.out[k], part);
                 }
@@ -202,7 +202,7 @@ impl LitFace<'_> {
                     0.0
                 };
                 let shared = visible * self.seen.share;
-                let scattered = light.color * self.scattered * self.height;
+                let scattered = light.colour * self.scattered * self.height;
                 shared * (scattered + light.highlight * highlight)
             }
             PictureLook::Crt => crt::lit(self, light, visible),
@@ -314,7 +314,7 @@ impl LightTracer<'_> {
             rays += MOST_LANES;
         }
         self.processor.run_vectors(ScatteredLight {
-            color: light.color.to_array(),
+            colour: light.colour.to_array(),
             blocks,
             seen,
         });

@@ -38,7 +38,7 @@ pub(super) struct Medium {
     solid: usize,
     glass: Glass,
     /// The colour where the ray came in.
-    pub(super) color: DVec3,
+    pub(super) colour: DVec3,
 }
 
 /// The surfaces that rays leave at a face: its own, and those that are flush with it.
@@ -104,10 +104,10 @@ impl Start {
 /// The share of light that is left after a way of this length within the last of some media.
 pub(super) fn kept(media: &[Medium], length: f64) -> DVec3 {
     match media.last() {
-        Some(medium) if medium.color != DVec3::ONE => {
+        Some(medium) if medium.colour != DVec3::ONE => {
             let exponent = length / medium.glass.depth;
             let share = |c: f64| c.powf(exponent).min(f64::MAX);
-            DVec3::from_array(medium.color.to_array().map(share))
+            DVec3::from_array(medium.colour.to_array().map(share))
         }
         _ => DVec3::ONE,
     }
@@ -278,7 +278,7 @@ impl<'a> LightTracer<'a> {
                 through = DVec3::splat(look.glass * (1.0 - share));
             } else {
                 onward = Some((direction, path.media.clone()));
-                through = look.glass * look.color;
+                through = look.glass * look.colour;
             }
         }
         MetFace {
@@ -315,7 +315,7 @@ impl<'a> LightTracer<'a> {
             Some(Medium {
                 solid,
                 glass,
-                color: (scenery.look)(&face).color,
+                colour: (scenery.look)(&face).colour,
             })
         });
         media.collect()
@@ -479,7 +479,7 @@ impl Scenery<'_> {
             media.push(Medium {
                 solid,
                 glass,
-                color: look.color,
+                colour: look.colour,
             });
             media.sort_by_key(|medium| medium.solid);
         }
@@ -490,7 +490,7 @@ impl MetFace {
     /// The colour of what it scatters, times the share.
     pub(super) fn scattered(&self) -> DVec3 {
         let look = &self.look;
-        look.scattered() * look.color
+        look.scattered() * look.colour
     }
 
     /// The highlight of light from `towards` that leaves against `direction`.

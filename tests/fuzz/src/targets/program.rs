@@ -197,8 +197,8 @@ fn ask_places(analysis: &dyn Analysis, text: &str, input: &[u8]) {
         assert_place(text, entry.span, "an outline entry");
         assert_place(text, entry.name_span, "a name");
     }
-    for color in analysis.colors() {
-        assert_place(text, color.span, "a colour");
+    for colour in analysis.colours() {
+        assert_place(text, colour.span, "a colour");
     }
     let _ = (
         analysis.folds(),

@@ -131,7 +131,7 @@ impl Window {
                 color,
             }),
             TextSource::File { editor, .. } => {
-                let written = editor.write(|analysis| analysis.edit_color(object, color));
+                let written = editor.write(|analysis| analysis.edit_colour(object, color));
                 self.note_written(written);
             }
         }

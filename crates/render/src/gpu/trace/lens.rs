@@ -70,7 +70,7 @@ pub(super) fn light_of(light: &Light, origin: DVec3) -> ShaderLight {
         kind,
         direction: three(direction.normalize_or_zero()),
         size: light.size as f32,
-        color: three(light.color),
+        color: three(light.colour),
         ambient: light.ambient as f32,
         highlight: three(light.highlight),
         falloff: light.falloff.map_or(-1.0, |falloff| falloff as f32),

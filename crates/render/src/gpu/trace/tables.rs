@@ -234,7 +234,7 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
     let through = flag(look.varies_through(), VARIES_THROUGH);
     let color = flag(look.varies_in_color(), VARIES_COLOR);
     FaceMaterial {
-        color: three(base.color),
+        color: three(base.colour),
         scattered: scattered as f32,
         mirror: three(base.mirror),
         glass: base.glass as f32,

@@ -91,7 +91,7 @@ pub(super) fn resolve_solid(
             position: DVec3::from_array(at),
             ..*face
         };
-        let colour = scene.look(&face).color.clamp(DVec3::ZERO, DVec3::ONE);
+        let colour = scene.look(&face).colour.clamp(DVec3::ZERO, DVec3::ONE);
         colour.to_array().map(|c| c as f32)
     };
     let chosen = request

@@ -66,7 +66,7 @@ pub(super) fn linear(terms: &[(f64, &str)], constant: f64) -> String {
 
 /// Returns the maximum component of a material's colour, at least 1.
 pub(super) fn brightest(material: &Material) -> f64 {
-    let parts = material.color.iter();
+    let parts = material.colour.iter();
     parts.fold(1.0f64, |most, part| most.max(*part))
 }
 
@@ -76,10 +76,10 @@ pub(super) fn brightest(material: &Material) -> f64 {
 /// multiplied by it; the light transmitted through glass is not.
 pub(super) fn look(material: &Material, is_solid: bool) -> String {
     let most = brightest(material);
-    let color = material.color.map(|part| (part / most).max(0.0));
+    let colour = material.colour.map(|part| (part / most).max(0.0));
     let usual = (1.0 - material.reflectivity - material.transparency).max(0.0);
     let diffuse = most * material.diffuse.unwrap_or(usual);
-    let mut text = format!("color : {}", tuple(color));
+    let mut text = format!("color : {}", tuple(colour));
     let mut state = |word: &str, value: f64| {
         let _ = write!(text, ", {word} : {}", number(value));
     };

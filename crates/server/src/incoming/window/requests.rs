@@ -123,7 +123,7 @@ impl PreviewWindow {
     async fn write_color(&self, object: String, color: [f64; 3]) {
         let subject = format!("The colour of `{object}`");
         let make = move |analysis: &dyn Analysis| {
-            let edit = analysis.edit_color(&object, color);
+            let edit = analysis.edit_colour(&object, color);
             edit.map_err(|refusal| refusal.to_string())
         };
         self.write("Change a colour".to_owned(), subject, make)

@@ -154,7 +154,7 @@ pub(super) fn angle_vector(text: &str) -> Option<&str> {
 }
 
 /// Returns the colour `#ff8000` or `#f80` at the start of a text: its length, and its equivalent here.
-pub(super) fn color(text: &str) -> Option<(usize, String)> {
+pub(super) fn colour(text: &str) -> Option<(usize, String)> {
     let behind = text.strip_prefix('#')?;
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
     let digits = &behind[..end.unwrap_or(behind.len())];
@@ -321,7 +321,7 @@ pub(super) fn first_item(text: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::{
-        angle_vector, apart, between_bars, block_comment, bracketed_interval, color, interval,
+        angle_vector, apart, between_bars, block_comment, bracketed_interval, colour, interval,
         rotation,
     };
 
@@ -429,7 +429,7 @@ mod tests {
             ("#red", None),
             ("ff0000", None),
         ] {
-            let found = color(text);
+            let found = colour(text);
             let found = found
                 .as_ref()
                 .map(|(length, text)| (*length, text.as_str()));

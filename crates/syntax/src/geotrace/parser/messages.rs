@@ -208,7 +208,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// Reports that the current token begins no expression.
     pub(super) fn expected_expression(&mut self) -> Stop {
-        if let Some(diagnostic) = self.hexadecimal_color() {
+        if let Some(diagnostic) = self.hexadecimal_colour() {
             return self.reject(diagnostic);
         }
         let found = self.found();
@@ -224,12 +224,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// Returns the error of a colour `#ff0000` before the current token, which was read as a comment.
-    fn hexadecimal_color(&self) -> Option<Diagnostic> {
+    fn hexadecimal_colour(&self) -> Option<Diagnostic> {
         let is_value = matches!(self.previous.kind, TokenKind::Colon | TokenKind::Equals);
         let start = self.previous.span.end;
         let passed = Span::new(start, self.current.span.start.max(start)).text(self.source);
         let comment = passed.trim_start();
-        let (length, written) = foreign::color(comment).filter(|_| is_value)?;
+        let (length, written) = foreign::colour(comment).filter(|_| is_value)?;
         let start = start + (passed.len() - comment.len()) as u32;
         let place = Span::new(start, start + length as u32);
         let message = format!("`#` begins a comment here: a colour is written `{written}`");

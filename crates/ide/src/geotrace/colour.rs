@@ -7,14 +7,14 @@ use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
 use super::analysis::{GeotraceAnalysis, Lexeme};
-use crate::color::{EditColorError, StatedColor};
+use crate::colour::{EditColourError, WrittenColour};
 use crate::edit::Edit;
 
 /// The maximum number of tokens of a colour: three numbers, two commas, two brackets.
 const LONGEST: usize = 7;
 
 /// Returns the constant colours, in the order of the text.
-pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
+pub fn colours(analysis: &GeotraceAnalysis) -> Vec<WrittenColour> {
     let all = analysis.tokens(0..analysis.token_count());
     let mut tokens = all
         .filter(|token| token.kind != TokenKind::Comment)
@@ -40,7 +40,7 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
         let ends = tokens
             .peek()
             .is_some_and(|next| matches!(next.kind, TokenKind::Comma | TokenKind::Semicolon));
-        if ends && let Some(rgb) = color(&value) {
+        if ends && let Some(rgb) = colour(&value) {
             let span = value.iter().map(|token| token.span).reduce(Span::to);
             // Replacing the colour would remove a comment.
             let has_comment = |span: &Span| {
@@ -48,7 +48,7 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
                 within.any(|token| token.kind == TokenKind::Comment)
             };
             let span = span.filter(|span| !has_comment(span));
-            found.extend(span.map(|span| StatedColor { span, rgb }));
+            found.extend(span.map(|span| WrittenColour { span, rgb }));
         }
     }
     found
@@ -57,29 +57,29 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
 /// Returns the edit that changes the colour of an object that states it as numbers: red, green and blue, sRGB, 0…1.
 ///
 /// # Errors
-/// [`EditColorError::NotStated`].
-pub fn edit_color(
+/// [`EditColourError::NotStated`].
+pub fn edit_colour(
     analysis: &GeotraceAnalysis,
     object: &str,
-    color: [f64; 3],
-) -> Result<Edit, EditColorError> {
+    colour: [f64; 3],
+) -> Result<Edit, EditColourError> {
     let item = analysis.declared(object);
-    let within = |stated: &&StatedColor| {
+    let within = |stated: &&WrittenColour| {
         item.as_ref().is_some_and(|item| {
             item.span.start <= stated.span.start && stated.span.end <= item.span.end
         })
     };
-    let colors = colors(analysis);
-    let stated = colors.iter().find(within);
-    let stated = stated.ok_or_else(|| EditColorError::NotStated {
+    let colours = colours(analysis);
+    let stated = colours.iter().find(within);
+    let stated = stated.ok_or_else(|| EditColourError::NotStated {
         name: object.to_owned(),
     })?;
-    let text = color_texts(color).swap_remove(0);
+    let text = colour_texts(colour).swap_remove(0);
     Ok(Edit::replace(stated.span, text))
 }
 
 /// Returns the texts that denote a colour: three numbers, and also a single one if they are equal.
-pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
+pub fn colour_texts(rgb: [f64; 3]) -> Vec<String> {
     let [red, green, blue] = rgb.map(channel);
     let mut texts = vec![format!("({red}, {green}, {blue})")];
     if red == green && green == blue {
@@ -138,7 +138,7 @@ fn closes(kind: TokenKind) -> bool {
 }
 
 /// Returns the colour denoted by some tokens: `0.5`, `(1, 0.5, 0)`.
-fn color(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
+fn colour(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
     let number = |token: &Lexeme<'_>| match token.kind {
         TokenKind::Number(x) => Some(x),
         _ => None,
@@ -159,15 +159,15 @@ fn color(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::color_texts;
+    use super::colour_texts;
 
     #[test]
     fn a_colour_is_written_to_a_thousandth() {
-        assert_eq!(color_texts([0.2, 1.0, 0.0]), ["(0.2, 1, 0)"]);
+        assert_eq!(colour_texts([0.2, 1.0, 0.0]), ["(0.2, 1, 0)"]);
         assert_eq!(
-            color_texts([1.0 / 3.0; 3]),
+            colour_texts([1.0 / 3.0; 3]),
             ["(0.333, 0.333, 0.333)", "0.333"]
         );
-        assert_eq!(color_texts([f64::NAN, 2.0, -1.0]), ["(0, 1, 0)"]);
+        assert_eq!(colour_texts([f64::NAN, 2.0, -1.0]), ["(0, 1, 0)"]);
     }
 }

@@ -6,7 +6,7 @@ use syntax::span::Span;
 
 /// A constant colour in a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StatedColor {
+pub struct WrittenColour {
     /// The range of the value.
     pub span: Span,
     /// Red, green and blue, sRGB, 0…1.
@@ -15,7 +15,7 @@ pub struct StatedColor {
 
 /// The reason why a colour is not written into a text.
 #[derive(Clone, Debug, Eq, PartialEq)]
-pub enum EditColorError {
+pub enum EditColourError {
     /// No object of this name states its colour as numbers.
     NotStated {
         /// The object's name.
@@ -23,11 +23,11 @@ pub enum EditColorError {
     },
 }
 
-impl fmt::Display for EditColorError {
+impl fmt::Display for EditColourError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self::NotStated { name } = self;
         write!(f, "the declaration of `{name}` states no colour as numbers")
     }
 }
 
-impl std::error::Error for EditColorError {}
+impl std::error::Error for EditColourError {}
