@@ -22,7 +22,7 @@ use shell::Shell;
 mod bundle;
 mod crossings;
 mod shell;
-pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
+pub(crate) use bundle::{BundlePart, DividedBundle, PartKind};
 
 /// The maximum number of interval evaluations for a ray: enough for some thousand crossings of a function. Beyond it, the
 /// rest of the ray is sampled.
@@ -98,10 +98,10 @@ pub(crate) struct Field {
     work: u64,
 }
 
-/// Returns the finding about an open part that is too short to be halved.
-fn shortest([a, b]: [f64; 2]) -> Option<PartFinding> {
+/// Returns the kind of an open part that is too short to be halved.
+fn shortest([a, b]: [f64; 2]) -> Option<PartKind> {
     let is_short = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
-    is_short.then_some(PartFinding::Shortest)
+    is_short.then_some(PartKind::Shortest)
 }
 
 /// A ray in the field's coordinates.
@@ -119,7 +119,7 @@ pub(crate) struct FieldScratch {
     slopes: Vec<Slope>,
     intervals: Vec<Interval>,
     processor: Processor,
-    /// The parts of a segment with their findings, the first part last.
+    /// The parts of a segment, the first part last.
     parts: Vec<BundlePart>,
     work: FieldWork,
     /// The number of interval evaluations so far.
@@ -333,16 +333,16 @@ impl Field {
         let parts = bundle.as_ref().map_or(&[][..], |(it, _)| &it.parts);
         scratch.restrict(parts, [from, to]);
         while let Some(part) = scratch.parts.pop() {
-            let change = match part.finding {
-                PartFinding::Outside | PartFinding::Inside => {
+            let change = match part.kind {
+                PartKind::Outside | PartKind::Inside => {
                     // The membership is constant on the part; a change between two parts is at their common end.
-                    let changes = (part.finding == PartFinding::Inside) != inside;
+                    let changes = (part.kind == PartKind::Inside) != inside;
                     changes.then(|| (part.from, part.from.max(from).next_up()))
                 }
-                PartFinding::Monotone | PartFinding::Shortest => {
+                PartKind::Monotone | PartKind::Shortest => {
                     self.only_change(scratch, line, part, inside)
                 }
-                PartFinding::Shared(node) => match &mut bundle {
+                PartKind::Shared(node) => match &mut bundle {
                     Some((bundle, line)) => {
                         self.change_in_node(scratch, (bundle, *line), node, part, inside)
                     }
@@ -351,7 +351,7 @@ impl Field {
                         None
                     }
                 },
-                PartFinding::Open => {
+                PartKind::Open => {
                     if scratch.work.evaluations == 0 || scratch.work.intervals == 0 {
                         scratch.work.is_cut_short = true;
                         return self.sampled(scratch, line, [part.from, to], inside);
@@ -376,7 +376,7 @@ impl Field {
         inside: bool,
     ) -> Option<(f64, f64)> {
         let [a, b] = [part.from, part.to];
-        if part.finding == PartFinding::Monotone
+        if part.kind == PartKind::Monotone
             && let Some(shell) = &self.shell
         {
             let t = self.level_crossing(scratch, shell, line, [a, b], inside)?;
@@ -397,15 +397,15 @@ impl Field {
         inside: bool,
     ) -> Option<(f64, f64)> {
         let [a, b] = [part.from, part.to];
-        if let Some(finding) = bundle.finding(self, scratch, node, line) {
-            if finding == PartFinding::Monotone && bundle.range(node) == [a, b] {
+        if let Some(kind) = bundle.kind(self, scratch, node, line) {
+            if kind == PartKind::Monotone && bundle.range(node) == [a, b] {
                 let (starts_inside, place) = bundle.change(self, scratch, node, line);
                 if starts_inside == inside {
                     let is_shell = self.shell.is_some();
                     return place.map(|t| (t, if is_shell { t.next_up() } else { b }));
                 }
             }
-            scratch.parts.push(BundlePart { finding, ..part });
+            scratch.parts.push(BundlePart { kind, ..part });
         } else if let Some(halves) = bundle.halves(node) {
             for half in halves.into_iter().rev() {
                 let (from, to) = (half.from.max(a), half.to.min(b));
@@ -426,12 +426,12 @@ impl Field {
         }
         scratch.work.evaluations -= 1;
         let range = self.range_on(scratch, line, [a, b]);
-        let found = self.finding(range);
-        if let Some(finding) = found.or(shortest([a, b])) {
+        let found = self.kind(range);
+        if let Some(kind) = found.or(shortest([a, b])) {
             scratch.parts.push(BundlePart {
                 from: a,
                 to: b,
-                finding,
+                kind,
             });
         } else {
             let middle = 0.5 * (a + b);
@@ -440,7 +440,7 @@ impl Field {
         }
     }
 
-    /// Determines the findings about parts of a part, about one for each lane of a vector.
+    /// Determines the kinds of parts of a part, about one for each lane of a vector.
     fn find_in_parts(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) {
         let mut ends = [a; MOST_LANES + 1];
         ends[MOST_LANES] = b;
@@ -463,11 +463,11 @@ impl Field {
                     Some(range) => range,
                     None => self.range_on(scratch, line, [from, to]),
                 };
-                let found = self.finding(range).or(shortest([from, to]));
+                let found = self.kind(range).or(shortest([from, to]));
                 scratch.parts.push(BundlePart {
                     from,
                     to,
-                    finding: found.unwrap_or(PartFinding::Open),
+                    kind: found.unwrap_or(PartKind::Open),
                 });
             }
         }
@@ -495,18 +495,18 @@ impl Field {
         None
     }
 
-    /// Returns the finding about a part on which value and slope have this range; `None` if it is open.
-    fn finding(&self, range: Slope) -> Option<PartFinding> {
+    /// Returns the kind of a part on which value and slope have this range; `None` if it is open.
+    fn kind(&self, range: Slope) -> Option<PartKind> {
         if let Some(shell) = &self.shell {
-            return shell.finding(range);
+            return shell.kind(range);
         }
         let value = range.value;
         if value.is_empty() || value.lower() > 0.0 {
-            Some(PartFinding::Outside)
+            Some(PartKind::Outside)
         } else if value.upper() <= 0.0 && !value.is_partial() {
-            Some(PartFinding::Inside)
+            Some(PartKind::Inside)
         } else {
-            range.is_monotone().then_some(PartFinding::Monotone)
+            range.is_monotone().then_some(PartKind::Monotone)
         }
     }
 

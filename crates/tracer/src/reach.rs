@@ -148,7 +148,7 @@ fn term_count(region: &Region) -> usize {
     }
 }
 
-/// The finding about a part of the cube's surface.
+/// What is known of a part of the cube's surface.
 enum PartOfCube {
     Outside,
     Halved,
@@ -156,11 +156,11 @@ enum PartOfCube {
     Open,
 }
 
-/// Tests each face of the cube, with the reciprocal of the size as a third side, and divides it while the finding is
-/// `Halved`; returns false once a part is open.
+/// Tests each face of the cube, with the reciprocal of the size as a third side, and divides it while `classify`
+/// returns `Halved`; returns false once a part is open.
 fn parts_of_faces(
     size: f64,
-    finding: &mut dyn FnMut([Interval; 3], Interval, bool) -> PartOfCube,
+    classify: &mut dyn FnMut([Interval; 3], Interval, bool) -> PartOfCube,
 ) -> bool {
     let small = Interval::new(0.0, 1.0 / size);
     let whole = Interval::new(-1.0, 1.0);
@@ -175,7 +175,7 @@ fn parts_of_faces(
                 let longest = (0..3)
                     .max_by(|&j, &k| share[j].total_cmp(&share[k]))
                     .unwrap_or(0);
-                match finding(point, part[2], share[longest] < FINEST) {
+                match classify(point, part[2], share[longest] < FINEST) {
                     PartOfCube::Outside => continue,
                     PartOfCube::Open => return false,
                     PartOfCube::Halved => {}

@@ -289,7 +289,7 @@ impl Caster<'_> {
     }
 }
 
-/// Returns the parts of the range in which rays are within a leaf's box, with the findings about the field for all of them.
+/// Returns the parts of the range in which rays are within a leaf's box, with what is known of the field for all of them.
 fn divide_bundle(
     field: &Field,
     leaf: &Leaf,

@@ -18,7 +18,7 @@ use crate::field::{Field, FieldScratch, Line};
 pub(crate) struct BundlePart {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    pub(crate) finding: PartFinding,
+    pub(crate) kind: PartKind,
 }
 
 impl BundlePart {
@@ -27,14 +27,14 @@ impl BundlePart {
         Self {
             from,
             to,
-            finding: PartFinding::Open,
+            kind: PartKind::Open,
         }
     }
 }
 
-/// The finding about a part, for each ray.
+/// What is known of a part, for each ray.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum PartFinding {
+pub(crate) enum PartKind {
     /// The value is positive or undefined throughout.
     Outside,
     /// The value is defined and not positive throughout.
@@ -44,14 +44,14 @@ pub(crate) enum PartFinding {
     /// The part is too short to be halved.
     Shortest,
     Open,
-    /// Open for the bundle; the findings about its lines are computed together at this node.
+    /// Open for the bundle; the kinds for its lines are computed together at this node.
     Shared(u32),
 }
 
 /// A range of t for the lines of a bundle.
 #[derive(Clone, Debug)]
 pub(crate) struct DividedBundle {
-    /// In ascending order, with the finding about all lines.
+    /// In ascending order, with the kind for all lines.
     pub(crate) parts: Vec<BundlePart>,
     lines: Vec<LineBlock>,
     nodes: Vec<LineNode>,
@@ -63,8 +63,8 @@ struct LineNode {
     from: f64,
     to: f64,
     depth: u32,
-    /// For each block of lines, the findings about them, computed on demand.
-    found: Vec<Option<[Option<PartFinding>; MOST_LANES]>>,
+    /// For each block of lines, the kinds for them, computed on demand.
+    found: Vec<Option<[Option<PartKind>; MOST_LANES]>>,
     /// For each block of lines, the changes on those with monotone values, computed on demand.
     changes: Vec<Option<BlockChanges>>,
     /// The first of its halves, created on demand; the second one follows it.
@@ -96,14 +96,14 @@ impl DividedBundle {
         (self.nodes.len() - 1) as u32
     }
 
-    /// Returns the finding about a line at a node; `None` if it is open.
-    pub(crate) fn finding(
+    /// Returns the kind of a node for a line; `None` if it is open.
+    pub(crate) fn kind(
         &mut self,
         field: &Field,
         scratch: &mut FieldScratch,
         node: u32,
         line: usize,
-    ) -> Option<PartFinding> {
+    ) -> Option<PartKind> {
         let node = &mut self.nodes[node as usize];
         let (block, lane) = (line / MOST_LANES, line % MOST_LANES);
         scratch.evaluations += 1;
@@ -115,7 +115,7 @@ impl DividedBundle {
             });
             let part = [[node.from; MOST_LANES], [node.to; MOST_LANES]];
             let ranges = field.in_vectors(scratch, coordinates, &part);
-            ranges.map(|range| range.and_then(|range| field.finding(range)))
+            ranges.map(|range| range.and_then(|range| field.kind(range)))
         });
         found[lane]
     }
@@ -132,8 +132,7 @@ impl DividedBundle {
         let node = &mut self.nodes[node as usize];
         let (block, lane) = (line / MOST_LANES, line % MOST_LANES);
         let found = node.found[block];
-        let is_monotone =
-            |lane| found.is_some_and(|found| found[lane] == Some(PartFinding::Monotone));
+        let is_monotone = |lane| found.is_some_and(|found| found[lane] == Some(PartKind::Monotone));
         let changes = node.changes[block].get_or_insert_with(|| {
             field.changes(
                 scratch,
@@ -158,13 +157,13 @@ impl DividedBundle {
             .parts
             .iter()
             .find(|part| part.from <= place && place < part.to)?;
-        let finding = match part.finding {
-            PartFinding::Shared(node) => self.finding(field, scratch, node, line)?,
-            finding => finding,
+        let kind = match part.kind {
+            PartKind::Shared(node) => self.kind(field, scratch, node, line)?,
+            kind => kind,
         };
-        match finding {
-            PartFinding::Inside => Some(true),
-            PartFinding::Outside => Some(false),
+        match kind {
+            PartKind::Inside => Some(true),
+            PartKind::Outside => Some(false),
             _ => None,
         }
     }
@@ -197,7 +196,7 @@ impl DividedBundle {
         let part = |from: f64, to: f64, node: u32| BundlePart {
             from,
             to,
-            finding: PartFinding::Shared(node),
+            kind: PartKind::Shared(node),
         };
         Some([part(from, middle, first), part(middle, to, first + 1)])
     }
@@ -305,13 +304,13 @@ impl Field {
             }
         }
         for k in 0..divided.parts.len() {
-            let BundlePart { from, to, finding } = divided.parts[k];
-            if matches!(finding, PartFinding::Open | PartFinding::Monotone) {
+            let BundlePart { from, to, kind } = divided.parts[k];
+            if matches!(kind, PartKind::Open | PartKind::Monotone) {
                 let node = divided.add_node([from, to], 0);
-                divided.parts[k].finding = PartFinding::Shared(node);
-                if finding == PartFinding::Monotone {
+                divided.parts[k].kind = PartKind::Shared(node);
+                if kind == PartKind::Monotone {
                     let found = &mut divided.nodes[node as usize].found;
-                    found.fill(Some([Some(finding); MOST_LANES]));
+                    found.fill(Some([Some(kind); MOST_LANES]));
                 }
             }
         }
@@ -348,23 +347,23 @@ impl Field {
             };
             budget = budget.saturating_sub(parts.len());
             for ([a, b], range) in parts.into_iter().zip(ranges) {
-                let finding = range.and_then(|range| self.finding(range));
+                let kind = range.and_then(|range| self.kind(range));
                 let goes_on = is_known && !bundle.is_wider_than([a, b]) && b - a > 0.0;
-                if finding.is_none() && goes_on {
+                if kind.is_none() && goes_on {
                     open.extend(halves([a, b]));
                     continue;
                 }
                 found.push(BundlePart {
                     from: a,
                     to: b,
-                    finding: finding.unwrap_or(PartFinding::Open),
+                    kind: kind.unwrap_or(PartKind::Open),
                 });
             }
         }
         found.sort_unstable_by(|a, b| a.from.total_cmp(&b.from));
         // Neighbouring parts with the same decision, or both open, are merged.
         found.dedup_by(|part, last| {
-            let is_one = part.finding == last.finding && part.finding != PartFinding::Monotone;
+            let is_one = part.kind == last.kind && part.kind != PartKind::Monotone;
             if is_one {
                 last.to = part.to;
             }

@@ -9,7 +9,7 @@ use expr::ops::{Binary, Unary};
 use expr::tape::Tape;
 use expr::{Graph, Input, Node, NodeId};
 
-use crate::field::bundle::PartFinding;
+use crate::field::bundle::PartKind;
 
 /// The expression u with the level c > 0.
 #[derive(Clone, Debug)]
@@ -56,17 +56,17 @@ impl Shell {
         })
     }
 
-    /// Returns the finding about a part, from the range of u on it; `None` if it is open.
-    pub(super) fn finding(&self, range: Slope) -> Option<PartFinding> {
+    /// Returns the kind of a part, from the range of u on it; `None` if it is open.
+    pub(super) fn kind(&self, range: Slope) -> Option<PartKind> {
         let value = range.value;
         let outside = value.lower() > self.level || value.upper() < -self.level;
         let inside = value.lower() >= -self.level && value.upper() <= self.level;
         if value.is_empty() || outside {
-            Some(PartFinding::Outside)
+            Some(PartKind::Outside)
         } else if inside && !value.is_partial() {
-            Some(PartFinding::Inside)
+            Some(PartKind::Inside)
         } else {
-            range.is_monotone().then_some(PartFinding::Monotone)
+            range.is_monotone().then_some(PartKind::Monotone)
         }
     }
 
