@@ -100,7 +100,7 @@ pub(crate) fn run() {
         "a key, to the diagnostics of reading",
         &Times::of(RUNS, || {
             key(&mut program);
-            program.findings()
+            program.diagnostics_of_reading()
         }),
     );
     print(

@@ -72,7 +72,7 @@ struct CrtRun {
 pub struct CrtAnalysis {
     snapshot: Snapshot,
     /// The diagnostics of reading the script.
-    findings: Arc<[Diagnostic]>,
+    reading_diagnostics: Arc<[Diagnostic]>,
     given_up: AtomicBool,
     /// The run; `None` if parts of the script cannot be read, so that it is not run, and if the run was cancelled.
     run: OnceLock<Option<CrtRun>>,
@@ -125,10 +125,10 @@ impl Program for CrtProgram {
         Analysis::diagnostics(&**self.analysis())
     }
 
-    fn findings(&self) -> Option<Arc<[Diagnostic]>> {
+    fn diagnostics_of_reading(&self) -> Option<Arc<[Diagnostic]>> {
         let analysis = self.analysis();
         let is_at_hand = !analysis.is_run() || analysis.run.get().is_some();
-        (!is_at_hand).then(|| Arc::clone(&analysis.findings))
+        (!is_at_hand).then(|| Arc::clone(&analysis.reading_diagnostics))
     }
 
     fn scene(&self) -> ProgramScene {
@@ -174,7 +174,7 @@ impl CrtProgram {
         self.analysis.get_or_init(|| {
             Arc::new(CrtAnalysis {
                 snapshot: self.document.snapshot(),
-                findings: self.document.findings().into(),
+                reading_diagnostics: self.document.all_diagnostics().into(),
                 given_up: AtomicBool::new(false),
                 run: OnceLock::new(),
                 diagnostics: OnceLock::new(),
@@ -192,8 +192,8 @@ fn whole(snapshot: &Snapshot) -> String {
 impl CrtAnalysis {
     /// Returns the errors of reading the script.
     fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
-        let findings = self.findings.iter();
-        findings.filter(|it| it.severity == Severity::Error)
+        let diagnostics = self.reading_diagnostics.iter();
+        diagnostics.filter(|it| it.severity == Severity::Error)
     }
 
     /// Returns true if the script is run: it has no errors, or none that leave its tree incomplete.
@@ -272,9 +272,9 @@ impl Analysis for CrtAnalysis {
     fn diagnostics(&self) -> Arc<[Diagnostic]> {
         let diagnostics = || {
             let Some(run) = self.run() else {
-                return Arc::clone(&self.findings);
+                return Arc::clone(&self.reading_diagnostics);
             };
-            let mut all = self.findings.to_vec();
+            let mut all = self.reading_diagnostics.to_vec();
             all.extend(run.diagnostics.iter().cloned());
             Diagnostic::sort(&mut all);
             all.into()

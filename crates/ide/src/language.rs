@@ -162,9 +162,9 @@ pub trait Program: Debug + Send {
     /// Returns all errors, warnings and hints, sorted by position.
     fn diagnostics(&self) -> Arc<[Diagnostic]>;
 
-    /// Returns the findings of reading the text, if [`Program::diagnostics`] has to run the program to find more;
+    /// Returns the diagnostics of reading the text, if [`Program::diagnostics`] has to run the program to find more;
     /// `None` if it returns at once.
-    fn findings(&self) -> Option<Arc<[Diagnostic]>> {
+    fn diagnostics_of_reading(&self) -> Option<Arc<[Diagnostic]>> {
         None
     }
 

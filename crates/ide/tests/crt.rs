@@ -331,8 +331,10 @@ fn images_are_links() {
 fn reading_is_at_hand_before_the_run_and_an_edit_gives_the_run_up() {
     let text = "i = 0\nwhile (i < 900000) { i = i + 1 }\n1\nScene { }\n";
     let mut program = Crt.open(text).expect("small");
-    let findings = program.findings().expect("a run may find more");
-    assert_eq!(findings.len(), 0);
+    let diagnostics = program
+        .diagnostics_of_reading()
+        .expect("a run may find more");
+    assert_eq!(diagnostics.len(), 0);
     let old = program.snapshot();
     program
         .edit(Span::new(0, 0), "j = )\n")
@@ -340,12 +342,12 @@ fn reading_is_at_hand_before_the_run_and_an_edit_gives_the_run_up() {
     // The run of the old version has been given up before it began: nothing of it is known.
     assert_eq!(old.diagnostics().len(), 0);
     // A script that cannot be read is not run: all is known at once.
-    assert!(program.findings().is_none());
+    assert!(program.diagnostics_of_reading().is_none());
     assert_eq!(program.diagnostics().len(), 1);
     program.edit(Span::new(0, 6), "").expect("in the text");
-    assert!(program.findings().is_some());
+    assert!(program.diagnostics_of_reading().is_some());
     assert_eq!(program.diagnostics()[0].code.0, "no-effect");
-    assert!(program.findings().is_none());
+    assert!(program.diagnostics_of_reading().is_none());
 }
 
 #[test]

@@ -176,13 +176,13 @@ fn scripts_that_are_changed_at_random_are_read_run_and_built() {
             mutate(&mut random, &mut text);
         }
         let document = Document::new(&text, &()).expect("small");
-        let findings = document.findings();
-        for found in &findings {
+        let diagnostics = document.all_diagnostics();
+        for found in &diagnostics {
             let [start, end] = [found.span.start, found.span.end].map(|at| at as usize);
             assert!(text.get(start..end).is_some(), "{text}\n{found:?}");
         }
         // What `eval` does with a script that has errors.
-        match findings.iter().any(|it| it.severity == Severity::Error) {
+        match diagnostics.iter().any(|it| it.severity == Severity::Error) {
             true => faulty += 1,
             false => sound += 1,
         }

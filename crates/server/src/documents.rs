@@ -358,7 +358,7 @@ impl Open {
 
     /// Returns the diagnostics that are known without running the program, and whether a run may find more.
     pub(crate) fn findings(&self) -> (Arc<[Diagnostic]>, bool) {
-        match self.program.findings() {
+        match self.program.diagnostics_of_reading() {
             Some(found) => (found, true),
             None => (self.program.diagnostics(), false),
         }

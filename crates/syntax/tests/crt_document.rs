@@ -17,7 +17,12 @@ fn describe(document: &Document) -> Vec<String> {
     let all = Span::new(0, document.len());
     lines.extend(document.tokens(all).map(|token| format!("{token:?}")));
     lines.push(format!("{:?}", document.script()));
-    lines.extend(document.findings().iter().map(|it| format!("{it:?}")));
+    lines.extend(
+        document
+            .all_diagnostics()
+            .iter()
+            .map(|it| format!("{it:?}")),
+    );
     lines
 }
 
@@ -205,10 +210,10 @@ fn a_certificate_is_left_alone() {
     let text = "-----BEGIN CERTIFICATE-----\nMIIB@@==\n-----END CERTIFICATE-----\n";
     let mut document = open(text);
     assert!(document.script().is_certificate);
-    assert_eq!(document.findings(), []);
+    assert_eq!(document.all_diagnostics(), []);
     assert_eq!(document.tokens(Span::new(0, 60)).count(), 0);
     document.edit(Span::new(0, 0), "a = 1\n").expect("an edit");
-    assert!(!document.script().is_certificate && !document.findings().is_empty());
+    assert!(!document.script().is_certificate && !document.all_diagnostics().is_empty());
 }
 
 #[test]

@@ -1,20 +1,20 @@
-//! Every message of the front-end, as `findings.txt` and `crt_findings.txt` hold them: a program between `===` and `---`,
-//! then one line for each finding, `line:column severity[code] text | message | hint`, and one for each fix.
+//! Every message of the front-end, as `diagnostics.txt` and `crt_diagnostics.txt` hold them: a program between `===` and `---`,
+//! then one line for each diagnostic, `line:column severity[code] text | message | hint`, and one for each fix.
 //!
-//! After a change of wording: `UPDATE=1 cargo test -p geotrace-syntax --test findings`, and read the diff.
+//! After a change of wording: `UPDATE=1 cargo test -p geotrace-syntax --test diagnostics`, and read the diff.
 
 #[path = "support/recorder.rs"]
 mod support;
 
 use std::fmt::Write as _;
 
-use support::{findings, parse};
+use support::{diagnostic_lines, parse};
 use syntax::diagnostic::{Diagnostic, Fix};
 use syntax::line_index::LineIndex;
 use syntax::{codes, geotrace};
 
-const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/findings.txt");
-const CRT_PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/crt_findings.txt");
+const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/diagnostics.txt");
+const CRT_PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/crt_diagnostics.txt");
 
 /// The fixes of the diagnostics, `title: old → new`, and when an editor may apply each.
 fn fixes(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
@@ -37,18 +37,18 @@ fn fixes(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
     fixes.map(show).collect()
 }
 
-/// Compares the findings of the programs in a file with those that stand there.
+/// Compares the diagnostics of the programs in a file with those that stand there.
 fn check(path: &str, diagnostics: impl Fn(&str) -> Vec<Diagnostic>) {
-    let agreed = std::fs::read_to_string(path).expect("a file of findings");
+    let agreed = std::fs::read_to_string(path).expect("a file of diagnostics");
     let mut actual = String::new();
     for case in agreed.split("===\n").skip(1) {
         let (program, _) = case
             .split_once("\n---\n")
-            .expect("a program and its findings");
+            .expect("a program and its diagnostics");
         let _ = write!(actual, "===\n{program}\n---\n");
         let mut found = diagnostics(program);
         found.sort_by_key(|diagnostic| diagnostic.span);
-        let lines = findings(program, &found)
+        let lines = diagnostic_lines(program, &found)
             .into_iter()
             .chain(fixes(program, &found));
         for line in lines {
@@ -56,7 +56,7 @@ fn check(path: &str, diagnostics: impl Fn(&str) -> Vec<Diagnostic>) {
         }
     }
     if std::env::var_os("UPDATE").is_some_and(|value| value == "1") {
-        std::fs::write(path, &actual).expect("a file of findings is writable");
+        std::fs::write(path, &actual).expect("a file of diagnostics is writable");
         return;
     }
     for (line, (actual, agreed)) in actual.lines().zip(agreed.lines()).enumerate() {
@@ -86,7 +86,7 @@ fn every_code_has_a_finding_and_every_finding_has_a_code() {
         codes::INVALID_UTF8,
         codes::TOO_MANY_ERRORS,
     ];
-    let agreed = std::fs::read_to_string(PATH).expect("findings.txt");
+    let agreed = std::fs::read_to_string(PATH).expect("diagnostics.txt");
     let all = || codes::CODES.iter().chain(geotrace::codes::CODES);
     for (code, explanation) in all() {
         assert!(explanation.ends_with('.'));

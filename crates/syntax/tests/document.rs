@@ -121,7 +121,7 @@ fn steps<'e>(
                     let places = [word_span, value_span].map(|span| span.moved(start));
                     format!("{word:?} {places:?}")
                 }
-                ParseEvent::Declaration(_) | ParseEvent::Finding => return None,
+                ParseEvent::Declaration(_) | ParseEvent::Diagnostic => return None,
             })
         })
         .collect()

@@ -1,14 +1,14 @@
-//! What the fixes write: each leaves a text that means what was meant, and has no finding of its own.
+//! What the fixes write: each leaves a text that means what was meant, and has no diagnostic of its own.
 
 #[path = "support/recorder.rs"]
 mod support;
 
-use support::{parse, program_findings};
+use support::{parse, program_diagnostics};
 use syntax::diagnostic::Diagnostic;
 
 const PRELUDE: &str = "define t = 1; define x = 1; define y = 1; function f(q) = q; ";
 
-/// The hint and the texts after each fix of the only finding of an expression.
+/// The hint and the texts after each fix of the only diagnostic of an expression.
 fn repaired(expression: &str) -> (Diagnostic, Vec<String>) {
     let source = format!("{PRELUDE}define z = {expression};");
     let mut found = parse(&source).0.diagnostics;
@@ -18,7 +18,7 @@ fn repaired(expression: &str) -> (Diagnostic, Vec<String>) {
         let mut text = source.clone();
         let place = fix.span.start as usize..fix.span.end as usize;
         text.replace_range(place, &fix.replacement);
-        assert_eq!(program_findings(&text), [""; 0], "{text}");
+        assert_eq!(program_diagnostics(&text), [""; 0], "{text}");
         let text = text.split("define z = ").nth(1).unwrap_or_default();
         text.trim_end_matches(';').to_owned()
     });
@@ -112,7 +112,7 @@ fn a_product_with_a_function_is_not_the_inverse_of_another() {
             let place = fix.span.start as usize..fix.span.end as usize;
             text.replace_range(place, &fix.replacement);
             assert_eq!(text, meant);
-            assert_eq!(program_findings(&text), [""; 0], "{text}");
+            assert_eq!(program_diagnostics(&text), [""; 0], "{text}");
         }
     }
 }
@@ -131,7 +131,7 @@ fn a_product_that_looks_like_what_it_is_has_no_warning() {
         "sin -1",
     ] {
         let source = format!("{PRELUDE}define z = {expression};");
-        assert_eq!(program_findings(&source), [""; 0], "{expression}");
+        assert_eq!(program_diagnostics(&source), [""; 0], "{expression}");
     }
 }
 
@@ -205,7 +205,7 @@ fn signs_that_touch_have_a_fix_each() {
     ] {
         let text = with_all_fixes(source);
         assert_eq!(text, meant);
-        assert_eq!(program_findings(&text), [""; 0], "{text}");
+        assert_eq!(program_diagnostics(&text), [""; 0], "{text}");
     }
 }
 
@@ -221,7 +221,7 @@ fn bars_around_a_term_are_repaired_whatever_touches_them() {
     ] {
         let text = with_all_fixes(&format!("solid b(x, y, z) = {body};"));
         assert_eq!(text, format!("solid b(x, y, z) = {meant};"));
-        assert_eq!(program_findings(&text), [""; 0], "{text}");
+        assert_eq!(program_diagnostics(&text), [""; 0], "{text}");
     }
 }
 
@@ -318,7 +318,7 @@ fn what_other_notations_mean_is_written_with_all_fixes() {
         let mut text = source.to_owned();
         text.replace_range(place, &fix.replacement);
         assert_eq!(text, meant);
-        assert_eq!(program_findings(&text), [""; 0], "{text}");
+        assert_eq!(program_diagnostics(&text), [""; 0], "{text}");
     }
 }
 

@@ -3,7 +3,7 @@
 #[path = "support/recorder.rs"]
 mod support;
 
-use support::{parse, postfix, program_findings, read};
+use support::{parse, postfix, program_diagnostics, read};
 
 const PRELUDE: &str =
     "define a = 1; define b = 1; define c = 1; define x = 1; define y = 1; define v = 1;
@@ -121,13 +121,13 @@ fn parameters_are_variables_in_their_own_body_alone() {
     assert!(
         recorder.diagnostics.is_empty(),
         "{:?}",
-        program_findings(source)
+        program_diagnostics(source)
     );
     let declared = &recorder.declared[0];
     let steps = postfix(&declared.steps, &parsed, &declared.parameters);
     assert_eq!(steps, "u uv · uv · u ·");
     assert_eq!(
-        program_findings("function f(u) = u; define a = u;").len(),
+        program_diagnostics("function f(u) = u; define a = u;").len(),
         1
     );
 }
@@ -135,7 +135,7 @@ fn parameters_are_variables_in_their_own_body_alone() {
 #[test]
 fn declaring_words_are_whole_words_only() {
     let source = "define points = 1; define pointsx = 2; define a = points pi 2points;";
-    assert_eq!(program_findings(source), Vec::<String>::new());
+    assert_eq!(program_diagnostics(source), Vec::<String>::new());
     let (recorder, parsed) = parse(source);
     let steps = postfix(&recorder.declared[2].steps, &parsed, &[]);
     assert_eq!(steps, "points pi · 2 · points ·");
@@ -222,6 +222,6 @@ fn the_programs_of_the_thesis_are_read_without_a_finding() {
         vector vu = Nf_u(U,V) @ p; vector vv = Nf_v(U,V) @ p;
         surface s(u,v) = f(u,v)*0.99, u : [0, 1], v : [0, 1];";
     for source in [circle, sphere, "", "# only a comment", " \n\t\r\n"] {
-        assert_eq!(program_findings(source), Vec::<String>::new());
+        assert_eq!(program_diagnostics(source), Vec::<String>::new());
     }
 }

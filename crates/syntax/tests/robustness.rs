@@ -4,7 +4,7 @@
 mod support;
 
 use proptest::prelude::*;
-use support::{Recorder, assert_tokens_tile, parse, program_findings, vocabulary};
+use support::{Recorder, assert_tokens_tile, parse, program_diagnostics, vocabulary};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::geotrace::actions::Actions;
 use syntax::geotrace::codes;
@@ -240,14 +240,14 @@ fn long_words_are_split_in_linear_time() {
     let source = format!("define a = 1; define b = {};", "a".repeat(1_000_000));
     assert_eq!(count(&source).codes, []);
     let unknown = format!("define b = {};", "z".repeat(1_000_000));
-    let findings = program_findings(&unknown);
-    assert_eq!(findings.len(), 1);
-    assert!(findings[0].contains("`zzz"), "the quote is cut");
+    let lines = program_diagnostics(&unknown);
+    assert_eq!(lines.len(), 1);
+    assert!(lines[0].contains("`zzz"), "the quote is cut");
     assert!(count(&unknown).codes == [codes::UNDEFINED_NAME]);
 }
 
 #[test]
-fn findings_are_limited_and_the_last_one_says_so() {
+fn diagnostics_are_limited_and_the_last_one_says_so() {
     let counter = count(&"\0 ".repeat(2 * MAX_DIAGNOSTICS));
     assert_eq!(counter.codes.len(), MAX_DIAGNOSTICS);
     assert_eq!(counter.codes.last(), Some(&syntax::codes::TOO_MANY_ERRORS));
@@ -257,9 +257,9 @@ fn findings_are_limited_and_the_last_one_says_so() {
 fn a_run_of_nul_bytes_is_one_finding() {
     let counter = count(&"\0".repeat(100_000));
     assert_eq!(counter.codes, [codes::BAD_CHARACTER]);
-    let findings = program_findings("define a = 1 + \0 2;");
-    assert_eq!(findings.len(), 1);
-    assert!(findings[0].contains("a NUL byte (U+0000) cannot be used here"));
+    let lines = program_diagnostics("define a = 1 + \0 2;");
+    assert_eq!(lines.len(), 1);
+    assert!(lines[0].contains("a NUL byte (U+0000) cannot be used here"));
 }
 
 #[test]

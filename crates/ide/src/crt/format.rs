@@ -26,7 +26,7 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     let text = analysis.snapshot_text().string();
     // A script with run-time errors is formatted all the same.
     let read = Document::new(&text, &());
-    let found = read.map_or_else(|_| Vec::new(), |document| document.findings());
+    let found = read.map_or_else(|_| Vec::new(), |document| document.all_diagnostics());
     if found.iter().any(|it| it.severity == Severity::Error) {
         return Vec::new();
     }

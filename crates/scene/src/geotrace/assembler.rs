@@ -123,7 +123,7 @@ impl<'s> Assembler<'s> {
                     let attribute = moved_attribute(attribute, placed);
                     self.declarations.act_attribute(attribute, value);
                 }
-                ParseEvent::Declaration(_) | ParseEvent::Open(..) | ParseEvent::Finding => {}
+                ParseEvent::Declaration(_) | ParseEvent::Open(..) | ParseEvent::Diagnostic => {}
             }
         }
         let symbol = SymbolId(self.next);

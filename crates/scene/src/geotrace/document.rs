@@ -253,13 +253,13 @@ impl Document {
 
     /// Returns the diagnostics of one chunk, sorted by position, as if no limit for the whole program were exceeded.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
-        let mut findings = self.text.findings_of(chunk).into_iter();
+        let mut diagnostics = self.text.diagnostics_of_reading(chunk).into_iter();
         let checked = self.checked.get(&chunk);
         let mut of_declarations = checked.into_iter().flat_map(CheckedChunk::diagnostics);
         let mut all = Vec::new();
         for event in self.text.events(chunk) {
             match event {
-                ParseEvent::Finding => all.extend(findings.next()),
+                ParseEvent::Diagnostic => all.extend(diagnostics.next()),
                 ParseEvent::Declaration(_) => {
                     let found = of_declarations.next().into_iter().flatten();
                     let start = |chunk| self.text.start(chunk);

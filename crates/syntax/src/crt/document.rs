@@ -156,7 +156,7 @@ impl Snapshot {
 
 impl Document {
     /// Returns all diagnostics of the text, sorted by position: of its pieces and of the order of its blocks.
-    pub fn findings(&self) -> Vec<Diagnostic> {
+    pub fn all_diagnostics(&self) -> Vec<Diagnostic> {
         let mut all = self.diagnostics();
         all.extend(self.script().misplaced());
         Diagnostic::sort(&mut all);

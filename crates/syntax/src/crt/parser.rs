@@ -58,11 +58,11 @@ pub(super) fn parse_chunk<A: Actions>(source: &str, is_first: bool, actions: &mu
 /// The diagnostics, at least one of which is an error.
 pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Diagnostic>> {
     #[derive(Default)]
-    struct Findings<'s> {
+    struct ExpressionRecorder<'s> {
         builder: Builder<'s>,
         found: Vec<Diagnostic>,
     }
-    impl Actions for Findings<'_> {
+    impl Actions for ExpressionRecorder<'_> {
         fn act_step(&mut self, step: ParseStep<'_>, span: Span) {
             self.builder.act_step(step, span);
         }
@@ -73,20 +73,20 @@ pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Dia
     if u32::try_from(source.len()).is_err() {
         return Err(vec![too_large()]);
     }
-    let mut findings = Findings {
+    let mut recorder = ExpressionRecorder {
         builder: Builder::new(source),
         found: Vec::new(),
     };
-    let mut parser = Parser::new(source, 0, &mut findings);
+    let mut parser = Parser::new(source, 0, &mut recorder);
     parser.brackets = 1;
     parser.expression();
     if parser.current.kind != TokenKind::Eoi {
         parser.unexpected("the end of the expression");
     }
     let is_sound = parser.errors == 0;
-    match findings.builder.expression() {
+    match recorder.builder.expression() {
         Some(expression) if is_sound => Ok(expression),
-        _ => Err(findings.found),
+        _ => Err(recorder.found),
     }
 }
 

@@ -12,9 +12,9 @@ use super::sequence::Measure;
 
 /// A diagnostic of a chunk, and the part of it that depends on other parts of the text.
 #[derive(Clone, Debug)]
-pub(super) struct Finding<G: Grammar> {
+pub(super) struct ChunkDiagnostic<G: Grammar> {
     pub(super) diagnostic: Diagnostic,
-    /// Boxed because few findings have it: a text with a million mistakes has a million findings.
+    /// Boxed because few diagnostics have it: a text with a million mistakes has a million diagnostics.
     pub(super) deferred: Option<Box<G::Deferred>>,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Chunk<G: Grammar> {
     pub(super) text: Box<str>,
     checkpoints: Checkpoints,
     pub(super) analysis: G::Analysis,
-    pub(super) findings: Box<[Finding<G>]>,
+    pub(super) diagnostics: Box<[ChunkDiagnostic<G>]>,
     /// The look-ups in the names above that reading it made.
     pub(super) lookups: Box<[Lookup]>,
     pub(super) declared: Box<[Declared]>,
@@ -46,7 +46,7 @@ impl<G: Grammar> Chunk<G> {
             text: Box::default(),
             checkpoints: Checkpoints::default(),
             analysis: G::Analysis::default(),
-            findings: Box::default(),
+            diagnostics: Box::default(),
             lookups: Box::default(),
             declared: Box::default(),
             version,
@@ -61,7 +61,7 @@ impl<G: Grammar> Chunk<G> {
             text: self.text.clone(),
             checkpoints: self.checkpoints.clone(),
             analysis: G::Analysis::default(),
-            findings: Box::default(),
+            diagnostics: Box::default(),
             lookups: Box::default(),
             declared: self.declared.clone(),
             version: 0,
@@ -69,7 +69,10 @@ impl<G: Grammar> Chunk<G> {
     }
 
     pub(super) fn measure(&self) -> Measure {
-        let deferred = self.findings.iter().filter_map(|it| it.deferred.as_ref());
+        let deferred = self
+            .diagnostics
+            .iter()
+            .filter_map(|it| it.deferred.as_ref());
         let searches = deferred.filter(|deferred| G::searches(deferred));
         let declarations = self.analysis.declaration_spans(&self.text);
         Measure {
@@ -77,7 +80,7 @@ impl<G: Grammar> Chunk<G> {
             bytes: self.text.len() as u32,
             lines: self.line_ends_before(self.text.len() as u32),
             characters: self.characters_before(self.text.len() as u32),
-            findings: self.findings.len() as u32,
+            diagnostics: self.diagnostics.len() as u32,
             searches: searches.count() as u32,
             tokens: self.analysis.token_count() as u32,
             declarations: declarations.count() as u32,

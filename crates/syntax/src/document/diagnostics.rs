@@ -42,11 +42,11 @@ impl<G: Grammar> Document<G> {
     pub fn diagnosed(&self) -> Vec<ChunkId> {
         let mut chunks = Vec::new();
         let mut next = 0;
-        while next < self.sequence.total().findings
-            && let Some((chunk, before)) = self.sequence.at_finding(next)
+        while next < self.sequence.total().diagnostics
+            && let Some((chunk, before)) = self.sequence.at_diagnostic(next)
         {
             chunks.push((before.chunks, chunk));
-            next = before.findings + self.chunk(chunk).findings.len() as u32;
+            next = before.diagnostics + self.chunk(chunk).diagnostics.len() as u32;
         }
         for symbol in self.shadowed.keys() {
             let home = self.names.get(*symbol).and_then(|defined| defined.home);
@@ -60,30 +60,30 @@ impl<G: Grammar> Document<G> {
     /// Returns the diagnostics of one chunk, sorted by position, without the limit on the number of diagnostics of a
     /// text.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
-        let mut all = self.findings_of(chunk);
+        let mut all = self.diagnostics_of_reading(chunk);
         all.extend(self.shadowed_splits_of(chunk));
         Diagnostic::sort(&mut all);
         all
     }
 
     /// Returns the completed diagnostics of reading a chunk, in the order in which they were found.
-    pub fn findings_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
+    pub fn diagnostics_of_reading(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let read = self.chunk(chunk);
-        if read.findings.is_empty() {
+        if read.diagnostics.is_empty() {
             return Vec::new();
         }
         let surroundings = Surroundings::new(self, chunk);
         let before = surroundings.before();
         let mut searches = before.searches as usize;
-        let findings = read.findings.iter().map(|finding| {
-            let mut diagnostic = finding.diagnostic.clone().moved(before.bytes);
-            if let Some(deferred) = &finding.deferred {
+        let diagnostics = read.diagnostics.iter().map(|read| {
+            let mut diagnostic = read.diagnostic.clone().moved(before.bytes);
+            if let Some(deferred) = &read.deferred {
                 G::complete(deferred, &mut diagnostic, &surroundings, searches);
                 searches += usize::from(G::searches(deferred));
             }
             diagnostic
         });
-        findings.collect()
+        diagnostics.collect()
     }
 
     /// Returns the warnings about names that a chunk declares and whose letters are read as several tokens above it.
@@ -99,7 +99,7 @@ impl<G: Grammar> Document<G> {
 
     /// Returns true if the text has more diagnostics than [`MAX_DIAGNOSTICS`].
     pub fn is_overfull(&self) -> bool {
-        self.sequence.total().findings as usize + self.shadowed.len() >= MAX_DIAGNOSTICS
+        self.sequence.total().diagnostics as usize + self.shadowed.len() >= MAX_DIAGNOSTICS
     }
 
     /// Calls `give` with the first [`MAX_DIAGNOSTICS`] diagnostics, each with its chunk, in the order in which reading the
@@ -116,7 +116,7 @@ impl<G: Grammar> Document<G> {
             ControlFlow::Break(())
         };
         for chunk in self.sequence.from(self.sequence.first()) {
-            for diagnostic in self.findings_of(chunk) {
+            for diagnostic in self.diagnostics_of_reading(chunk) {
                 if offer(chunk, diagnostic).is_break() {
                     return;
                 }

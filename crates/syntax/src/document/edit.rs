@@ -7,7 +7,7 @@ use crate::span::Span;
 use crate::symbol::SymbolId;
 
 use super::Document;
-use super::chunk::{Chunk, Finding};
+use super::chunk::{Chunk, ChunkDiagnostic};
 use super::grammar::{Definition, Grammar, Reading};
 use super::lookups::Lookup;
 use super::names::NameId;
@@ -285,18 +285,18 @@ impl<G: Grammar> Document<G> {
             known_from,
         } = reading;
         let mut deferred = deferred.into_iter().peekable();
-        let findings = diagnostics.into_iter().enumerate();
-        let findings = findings.map(|(index, diagnostic)| Finding {
+        let diagnostics = diagnostics.into_iter().enumerate();
+        let diagnostics = diagnostics.map(|(index, diagnostic)| ChunkDiagnostic {
             diagnostic,
             deferred: deferred
                 .next_if(|(at, _)| *at == index)
                 .map(|(_, deferred)| Box::new(deferred)),
         });
-        let findings = findings.collect();
+        let diagnostics = diagnostics.collect();
         let known_from: HashMap<SymbolId, u32> = known_from.into_iter().collect();
         let chunk = self.chunk_mut(id);
         chunk.analysis = analysis;
-        chunk.findings = findings;
+        chunk.diagnostics = diagnostics;
         chunk.lookups = lookups.into_boxed_slice();
         chunk.version = version;
         let names = &mut self.snapshot.names;

@@ -29,7 +29,7 @@ pub(super) struct Measure {
     /// The number of Unicode scalar values in their texts.
     pub(super) characters: u32,
     /// The number of diagnostics from reading them.
-    pub(super) findings: u32,
+    pub(super) diagnostics: u32,
     /// The number of those diagnostics that search all names.
     pub(super) searches: u32,
     /// The number of tokens.
@@ -111,9 +111,9 @@ impl Sequence {
         self.find(|before| before.characters <= character)
     }
 
-    /// Returns the chunk that contains this finding, counted from 0, with the sum of all chunks before it.
-    pub(super) fn at_finding(&self, finding: u32) -> Option<(ChunkId, Measure)> {
-        self.find(|before| before.findings <= finding)
+    /// Returns the chunk that contains this diagnostic, counted from 0, with the sum of all chunks before it.
+    pub(super) fn at_diagnostic(&self, number: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.diagnostics <= number)
     }
 
     /// Returns the chunk that contains this token, counted from 0, or the last one, with the sum of all chunks before
@@ -409,7 +409,7 @@ impl Measure {
             bytes: together(self.bytes, other.bytes),
             lines: together(self.lines, other.lines),
             characters: together(self.characters, other.characters),
-            findings: together(self.findings, other.findings),
+            diagnostics: together(self.diagnostics, other.diagnostics),
             searches: together(self.searches, other.searches),
             tokens: together(self.tokens, other.tokens),
             declarations: together(self.declarations, other.declarations),

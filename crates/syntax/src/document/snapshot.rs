@@ -158,8 +158,8 @@ impl<G: Grammar> Snapshot<G> {
     /// Returns the errors of a chunk in the order in which they were found. Their spans are relative to the chunk's
     /// start.
     pub fn errors(&self, chunk: ChunkId) -> impl Iterator<Item = (Code, Span)> + '_ {
-        let findings = self.chunk(chunk).findings.iter();
-        let errors = findings.filter(|it| it.diagnostic.severity == Severity::Error);
+        let diagnostics = self.chunk(chunk).diagnostics.iter();
+        let errors = diagnostics.filter(|it| it.diagnostic.severity == Severity::Error);
         errors.map(|it| (it.diagnostic.code, it.diagnostic.span))
     }
 

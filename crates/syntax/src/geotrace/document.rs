@@ -70,8 +70,8 @@ pub enum ParseEvent<'d> {
     Attribute(StatedAttribute, &'d str),
     /// A declaration has been read.
     Declaration(ReadDeclaration<'d>),
-    /// A diagnostic: the next one of [`findings_of`](Document::findings_of).
-    Finding,
+    /// A diagnostic: the next one of [`diagnostics_of_reading`](Document::diagnostics_of_reading).
+    Diagnostic,
 }
 
 /// A [`Declaration`] that a document stores.
@@ -358,7 +358,7 @@ impl Actions for Recorder {
     }
 
     fn act_error(&mut self, diagnostic: Diagnostic) {
-        self.events.finding();
+        self.events.diagnostic();
         self.diagnostics.push(diagnostic);
     }
 }

@@ -198,8 +198,8 @@ impl EventRecorder {
         self.push(NONE, attribute.value_span, 0);
     }
 
-    pub(crate) fn finding(&mut self) {
-        self.push(FINDING, Span::default(), 0);
+    pub(crate) fn diagnostic(&mut self) {
+        self.push(DIAGNOSTIC, Span::default(), 0);
     }
 
     pub(crate) fn declaration(&mut self, declaration: &crate::geotrace::actions::Declaration<'_>) {
@@ -275,7 +275,7 @@ impl<'d> Iterator for ParseEvents<'d> {
         Some(match tag {
             ..OPEN => ParseEvent::Operator(operator(tag, number, span.text(self.text)), span),
             OPEN..INTERVAL => ParseEvent::Open(keyword(tag - OPEN), span),
-            INTERVAL..FINDING => {
+            INTERVAL..DIAGNOSTIC => {
                 let kind = match tag {
                     INTERVAL | TAGGED_INTERVAL => IntervalKind::Range,
                     _ => IntervalKind::Grid,
@@ -291,7 +291,7 @@ impl<'d> Iterator for ParseEvents<'d> {
                     tag: tagged,
                 })
             }
-            FINDING..ATTRIBUTE => ParseEvent::Finding,
+            DIAGNOSTIC..ATTRIBUTE => ParseEvent::Diagnostic,
             ATTRIBUTE..DECLARATION => {
                 let value = self.entry()?.span;
                 let read = StatedAttribute {
@@ -364,7 +364,7 @@ impl Parameters<'_> {
 const OPEN: u8 = STEPS_END;
 const INTERVAL: u8 = 48;
 const TAGGED_INTERVAL: u8 = 50;
-const FINDING: u8 = 52;
+const DIAGNOSTIC: u8 = 52;
 const ATTRIBUTE: u8 = 53;
 const DECLARATION: u8 = 64;
 const FAULTY_DECLARATION: u8 = 80;
@@ -459,7 +459,7 @@ mod tests {
             };
             recorder.open(DeclarationKeyword::Param, span(6));
             recorder.operator(Operator::Number(25.0), Span::new(0, 5));
-            recorder.finding();
+            recorder.diagnostic();
             for operator in &operators {
                 recorder.operator(*operator, span(6));
             }
@@ -492,7 +492,7 @@ mod tests {
             };
             let number = ParseEvent::Operator(Operator::Number(25.0), Span::new(0, 5));
             let mut first = vec![told(ParseEvent::Open(DeclarationKeyword::Param, span(6)))];
-            first.extend([told(number), told(ParseEvent::Finding)]);
+            first.extend([told(number), told(ParseEvent::Diagnostic)]);
             first.extend(expected(&operators));
             let intervals = intervals.iter().map(|it| ParseEvent::Interval(*it));
             let attributes = attributes.iter();

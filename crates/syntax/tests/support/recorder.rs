@@ -95,7 +95,7 @@ pub fn parse(source: &str) -> (Recorder, Parsed) {
 }
 
 /// `line:column severity[code] text | message | hint` for each diagnostic, in order of place.
-pub fn findings(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
+pub fn diagnostic_lines(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
     let index = LineIndex::new(source);
     let mut diagnostics: Vec<&Diagnostic> = diagnostics.iter().collect();
     diagnostics.sort_by_key(|diagnostic| diagnostic.span);
@@ -120,8 +120,8 @@ pub fn findings(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
     diagnostics.iter().map(show).collect()
 }
 
-pub fn program_findings(source: &str) -> Vec<String> {
-    findings(source, &parse(source).0.diagnostics)
+pub fn program_diagnostics(source: &str) -> Vec<String> {
+    diagnostic_lines(source, &parse(source).0.diagnostics)
 }
 
 /// The steps of expressions in postfix order: names and numbers as they are written, `·` for juxtaposition,
@@ -162,13 +162,13 @@ pub fn postfix(steps: &[(Operator, Span)], parsed: &Parsed, parameters: &[String
     steps.iter().map(show).collect::<Vec<_>>().join(" ")
 }
 
-/// The postfix form of an expression in the scope of a prelude, with its findings if there are any.
+/// The postfix form of an expression in the scope of a prelude, with its diagnostics if there are any.
 pub fn read(prelude: &str, expression: &str) -> String {
     let (recorder, parsed) = parse(prelude);
     assert!(
         recorder.diagnostics.is_empty(),
         "{:?}",
-        findings(prelude, &recorder.diagnostics)
+        diagnostic_lines(prelude, &recorder.diagnostics)
     );
     let mut recorder = Recorder::default();
     let complete = parse_expression(expression, &parsed, &mut recorder);

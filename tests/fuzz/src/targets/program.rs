@@ -155,8 +155,8 @@ pub(crate) fn crt(input: &[u8]) {
     let languages = Languages::standard();
     let language = languages.named("crt").expect("a language");
     let program = language.open(&text).expect("it is small");
-    if let Some(findings) = program.findings() {
-        for found in findings.iter() {
+    if let Some(diagnostics) = program.diagnostics_of_reading() {
+        for found in diagnostics.iter() {
             assert_place(&text, found.span, "a finding");
         }
     }

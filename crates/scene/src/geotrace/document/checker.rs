@@ -256,7 +256,7 @@ impl Checker {
                     let rank = document.rank(chunk);
                     self.declare(declaration, chunk, rank, base, &mut checked);
                 }
-                ParseEvent::Open(..) | ParseEvent::Finding => {}
+                ParseEvent::Open(..) | ParseEvent::Diagnostic => {}
             }
         }
         checked
