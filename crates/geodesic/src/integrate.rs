@@ -10,7 +10,7 @@ mod ray;
 mod step;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, State};
-use crate::field::FieldKnot;
+use crate::jacobi::JacobiKnot;
 use crate::runge_kutta::{StepParameter, Tableau};
 use crate::status::Status;
 use crate::step_control::{ErrorSum, SHORTEST, StepControl, step_after, step_to_try};
@@ -74,7 +74,7 @@ pub(crate) struct RayEnd {
     /// The arc lengths at which m = 0, if they were requested.
     pub(crate) conjugates: Vec<f64>,
     /// The Jacobi field after each step, if requested.
-    pub(crate) fields: Vec<FieldKnot>,
+    pub(crate) jacobi_knots: Vec<JacobiKnot>,
 }
 
 impl RayEnd {
@@ -100,7 +100,7 @@ impl RayEnd {
             field: 0.0,
             field_rate: 1.0,
             conjugates: Vec::new(),
-            fields: Vec::new(),
+            jacobi_knots: Vec::new(),
         }
     }
 }
@@ -119,11 +119,11 @@ pub(crate) fn integrate(
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Observed {
     /// True if the Jacobi fields are to be as accurate as the ray.
-    pub(crate) fields: bool,
+    pub(crate) accurate_jacobi: bool,
     /// True if conjugate points are located.
     pub(crate) conjugates: bool,
     /// True if the Jacobi field is stored after each step, and steps are short compared with 1/√|K|.
-    pub(crate) knots: bool,
+    pub(crate) jacobi_knots: bool,
 }
 
 /// Integrates the geodesic from `start` and observes more quantities along the way.
@@ -156,10 +156,10 @@ pub(crate) fn integrate_observed(
         },
         control: StepControl::default(),
         observers: Observers {
-            fields: observed.fields,
+            accurate_jacobi: observed.accurate_jacobi,
             conjugates: observed.conjugates.then(Vec::new),
             path: plan.keep_path.then(Vec::new),
-            knots: observed.knots.then(Vec::new),
+            jacobi_knots: observed.jacobi_knots.then(Vec::new),
         },
     };
     run(ray, length)
@@ -247,7 +247,7 @@ fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
         field: ray.field[0],
         field_rate: ray.field[1],
         conjugates: ray.observers.conjugates.unwrap_or_default(),
-        fields: ray.observers.knots.unwrap_or_default(),
+        jacobi_knots: ray.observers.jacobi_knots.unwrap_or_default(),
     }
 }
 

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::chart::{Atlas, Chart, State};
-use crate::field::FieldKnot;
 use crate::integrate::{self, IntegrationPlan, Observed, RayEnd, Start};
+use crate::jacobi::JacobiKnot;
 use crate::metric::speed;
 use crate::point::{TangentVector, Uv};
 use crate::runge_kutta::{DOP853, DOPRI5, RK4};
@@ -47,8 +47,8 @@ pub struct Options {
     /// True if conjugate points are located: [`Trace::conjugates`]. Steps are then short enough for [`Trace::jacobi`]
     /// to be as accurate as the end.
     pub conjugates: bool,
-    /// True if [`Trace::fields`] is recorded. Steps are then short enough for it, and for [`Trace::jacobi`].
-    pub keep_fields: bool,
+    /// True if [`Trace::jacobi_knots`] is recorded. Steps are then short enough for it, and for [`Trace::jacobi`].
+    pub keep_jacobi: bool,
 }
 
 /// The maximum number of evaluations for a geodesic that is traced on its own: a few seconds. For one of many, as in a picture,
@@ -64,7 +64,7 @@ impl Default for Options {
             compare: false,
             keep_path: false,
             conjugates: false,
-            keep_fields: false,
+            keep_jacobi: false,
         }
     }
 }
@@ -109,7 +109,7 @@ pub struct Trace {
     /// (u, v) after each step, beginning with the start, if the options request it; else empty.
     pub path: Vec<Uv>,
     /// The Jacobi field after each step, beginning with the start, if the options request it; else empty.
-    pub fields: Vec<FieldKnot>,
+    pub jacobi_knots: Vec<JacobiKnot>,
 }
 
 /// The reason why a geodesic cannot be started.
@@ -247,9 +247,9 @@ pub(crate) fn trace_from(
     };
     let tolerance = options.tolerance;
     let noting = Observed {
-        fields: options.conjugates || options.keep_fields,
+        accurate_jacobi: options.conjugates || options.keep_jacobi,
         conjugates: options.conjugates,
-        knots: options.keep_fields,
+        jacobi_knots: options.keep_jacobi,
     };
     let common = IntegrationPlan {
         tableau: &DOP853,
@@ -466,6 +466,6 @@ fn finish(atlas: &Atlas<'_>, end: RayEnd) -> Trace {
         jacobi: [end.field, end.field_rate],
         conjugates: end.conjugates,
         path: end.path.into_iter().map(Uv).collect(),
-        fields: end.fields,
+        jacobi_knots: end.jacobi_knots,
     }
 }

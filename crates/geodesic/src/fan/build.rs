@@ -113,7 +113,7 @@ pub(super) fn build(
             rate: allowed / start.reach,
             least: 0.01 * start.reach,
             length_scale: 0.5 * size.min(start.reach),
-            field: 0.05,
+            jacobi_weight: 0.05,
             shortest: (1e-2 * start.pixel).min(1e-4 * size),
             first: start.reach.min(size) * 0.03,
             limit: ONE_RAY,

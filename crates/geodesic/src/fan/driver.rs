@@ -21,7 +21,7 @@ pub(super) struct RayPlan {
     /// The factor from an error of direction to one of position.
     pub(super) length_scale: f64,
     /// The weight of a relative error of the Jacobi field.
-    pub(super) field: f64,
+    pub(super) jacobi_weight: f64,
     /// Steps below this length make no progress.
     pub(super) shortest: f64,
     /// The first step.

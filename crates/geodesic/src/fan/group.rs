@@ -7,7 +7,7 @@ use super::active_ray::ActiveRay;
 use super::coordinates::FanChart;
 use super::driver::RayPlan;
 use super::event::leaves;
-use super::lanes::{Field, LaneLocals, LaneStep, STAGES};
+use super::lanes::{LaneEquation, LaneLocals, LaneStep, STAGES};
 use super::ray::{Knot, Segment};
 use expr::processor::{Processor, Work};
 
@@ -40,7 +40,7 @@ const END_SHARE: f64 = 1e-14;
 
 /// A group of lanes.
 pub(super) struct Group<'a> {
-    field: Field<'a>,
+    equation: LaneEquation<'a>,
     plan: &'a RayPlan,
     state: States<LANES>,
     local: LaneLocals,
@@ -52,7 +52,7 @@ pub(super) struct Group<'a> {
 
 /// A step of all lanes, compiled for the processor's vector instructions.
 struct StepWork<'a, 'f> {
-    field: &'a Field<'f>,
+    equation: &'a LaneEquation<'f>,
     state: &'a States<LANES>,
     local: &'a LaneLocals,
     h: f64,
@@ -62,7 +62,7 @@ impl Work for StepWork<'_, '_> {
     type Output = LaneStep;
     #[inline(always)]
     fn run(self) -> LaneStep {
-        self.field.step(self.state, self.local, self.h)
+        self.equation.step(self.state, self.local, self.h)
     }
 }
 
@@ -98,7 +98,7 @@ impl<'a> Group<'a> {
         let zero = [0.0; LANES];
         let one = [1.0; LANES];
         Some(Self {
-            field: Field {
+            equation: LaneEquation {
                 surface,
                 layout,
                 chart,
@@ -124,7 +124,7 @@ impl<'a> Group<'a> {
 
     /// Evaluates at the start, and stores the first knots.
     pub(super) fn begin(&mut self, rays: &mut [ActiveRay]) {
-        self.field.local(&self.state, &mut self.local);
+        self.equation.local(&self.state, &mut self.local);
         let knots = self.knots(&self.state, &self.local);
         for (lane, ray) in rays.iter_mut().enumerate() {
             ray.evaluations += 1;
@@ -176,7 +176,7 @@ impl<'a> Group<'a> {
     /// nearly all lanes accept.
     pub(super) fn attempt(&mut self, rays: &mut [ActiveRay], h: f64) -> f64 {
         let trial = self.processor.run(StepWork {
-            field: &self.field,
+            equation: &self.equation,
             state: &self.state,
             local: &self.local,
             h,
@@ -305,10 +305,10 @@ impl<'a> Group<'a> {
     /// Returns a lane's error over the allowed error; NaN where anything is undefined.
     fn excess(&self, ray: &ActiveRay, trial: &LaneStep, lane: usize, h: f64) -> f64 {
         let [.., m, _, n, _] = trial.error.map(|errors| errors[lane]);
-        let field = (n * ray.m[0] + m * ray.m[1]).abs();
+        let jacobi = (n * ray.m[0] + m * ray.m[1]).abs();
         let error = trial.position_error[lane]
             + self.plan.length_scale * trial.direction_error[lane]
-            + self.plan.field * field;
+            + self.plan.jacobi_weight * jacobi;
         let mut excess = error / (ray.tolerance_share * self.plan.rate * h.max(self.plan.least));
         let [x, y] = trial.local.acceleration;
         if !(x[lane].is_finite() && y[lane].is_finite() && trial.local.curvature[lane].is_finite())
@@ -316,9 +316,9 @@ impl<'a> Group<'a> {
             return f64::NAN;
         }
         let end = [trial.end[0][lane], trial.end[1][lane]];
-        match self.field.chart {
+        match self.equation.chart {
             None => {
-                if self.field.layout.needs_apex_chart(end) {
+                if self.equation.layout.needs_apex_chart(end) {
                     excess = excess.max(OUTSIDE_EXCESS);
                 }
             }
@@ -336,7 +336,7 @@ impl<'a> Group<'a> {
     }
 
     fn accept(&mut self, ray: &mut ActiveRay, trial: &LaneStep, lane: usize, h: f64, knot: Knot) {
-        let layout = self.field.layout;
+        let layout = self.equation.layout;
         let from = ray.state();
         let before = [
             self.local.acceleration[0][lane],
@@ -350,7 +350,7 @@ impl<'a> Group<'a> {
         ray.h *= ray.control.trend(h, SHORT * self.plan.least);
         ray.control.accept(h);
         ray.step(h, fields(trial, lane), knot);
-        match self.field.chart {
+        match self.equation.chart {
             None => {
                 if let Some((share, edge)) = leaves(layout, &from, before, &knot, h) {
                     self.active[lane] = self.leave(ray, s + share * h, edge);
@@ -383,7 +383,7 @@ impl<'a> Group<'a> {
             self.stall(ray);
             return;
         }
-        let chart = match self.field.chart {
+        let chart = match self.equation.chart {
             None => layout.chart_near(knot.at).map(|chart| FanChart::of(&chart)),
             Some(chart) if chart.is_left_at(knot.at) => Some(FanChart::PLAIN),
             Some(chart) if !chart.apex.smooth && ray.turned.abs() > TURN => Some(FanChart {
@@ -420,7 +420,7 @@ impl<'a> Group<'a> {
 
     /// Ends a ray at an edge; returns whether it is worth continuing beyond.
     fn leave(&self, ray: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
-        let collapsed = self.field.layout.apexes[axis][end].is_some();
+        let collapsed = self.equation.layout.apexes[axis][end].is_some();
         ray.stop(
             s,
             if collapsed {
@@ -435,10 +435,10 @@ impl<'a> Group<'a> {
 
     /// Ends a ray whose steps make no progress: one careful integration finds the reason and the position.
     fn stall(&self, ray: &mut ActiveRay) {
-        let layout = self.field.layout;
+        let layout = self.equation.layout;
         let mut state = ray.plain(layout);
         layout.bring_state_back(&mut state);
-        let atlas = Atlas::new(self.field.surface);
+        let atlas = Atlas::new(self.equation.surface);
         let way = (ray.length - ray.s).min(1e2 * self.plan.shortest);
         let left = self.plan.limit.saturating_sub(ray.evaluations).min(CAREFUL);
         let plan = integrate::IntegrationPlan {

@@ -19,7 +19,7 @@ use crate::vector::{combine, cross, dot};
 const NEAREST: f64 = 1e-6;
 
 /// The geodesic equation of a group of rays in common coordinates.
-pub(super) struct Field<'a> {
+pub(super) struct LaneEquation<'a> {
     pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a ChartLayout,
     /// `None` in the plain coordinates.
@@ -56,7 +56,7 @@ pub(super) type LaneStep = Step<LANES, LaneLocals>;
 /// Evaluations of a lane in a step: the first stage is the last one of the previous step.
 pub(super) const STAGES: u64 = 6;
 
-impl GeodesicEquation<LANES> for Field<'_> {
+impl GeodesicEquation<LANES> for LaneEquation<'_> {
     type Local = LaneLocals;
     type Undefined = Infallible;
 
@@ -84,7 +84,7 @@ impl RatesOfChange<LANES> for LaneLocals {
     }
 }
 
-impl Field<'_> {
+impl LaneEquation<'_> {
     /// Takes one step of length `h` from `start`, where `local` holds.
     #[inline(always)]
     pub(super) fn step(&self, start: &States<LANES>, local: &LaneLocals, h: f64) -> LaneStep {

@@ -136,9 +136,9 @@ impl<'s> SpaceFan<'s> {
             tolerance: tolerance.clamp(1e-13, 1e-4),
             step: self.surface.first_step(self.frame.at, reach),
             limit: ONE_RAY as usize,
-            fields: true,
+            accurate_jacobi: true,
             conjugates: false,
-            field_knots: false,
+            jacobi_knots: false,
             knots: true,
             beyond: true,
         }
@@ -444,7 +444,7 @@ impl<'s> SpaceFan<'s> {
             tableau: &DOP853,
             tolerance: (0.1 * self.options.tolerance * self.pixel / s).clamp(1e-13, 1e-4),
             step: self.surface.first_step(self.frame.at, s),
-            fields: false,
+            accurate_jacobi: false,
             knots: false,
             beyond: false,
             ..self.plan(s)

@@ -12,8 +12,8 @@ use expr::interval::Interval;
 use crate::conjugate_search::{ROUNDS, brackets};
 use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
-use crate::field::{self, FieldKnot};
 use crate::interpolate::{quintic, value};
+use crate::jacobi::{self, JacobiKnot};
 use crate::runge_kutta::{
     self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
 };
@@ -59,11 +59,11 @@ pub(crate) struct SpacePlan {
     /// The maximum number of evaluations.
     pub(crate) limit: usize,
     /// True if the Jacobi fields are to be as accurate as the ray.
-    pub(crate) fields: bool,
+    pub(crate) accurate_jacobi: bool,
     /// True if conjugate points are located.
     pub(crate) conjugates: bool,
     /// True if the Jacobi field is stored after each step, and steps are short compared with 1/√|K|.
-    pub(crate) field_knots: bool,
+    pub(crate) jacobi_knots: bool,
     /// True if the ends of the steps are stored, for dense output.
     pub(crate) knots: bool,
     /// True if the ray continues beyond edges, on the piece on which it started.
@@ -83,7 +83,7 @@ pub(crate) struct SpaceRayEnd {
     pub(crate) status: Status,
     pub(crate) field: [f64; 2],
     pub(crate) conjugates: Vec<f64>,
-    pub(crate) fields: Vec<FieldKnot>,
+    pub(crate) jacobi_knots: Vec<JacobiKnot>,
     pub(crate) segment: Segment<3>,
     /// The arc length at which it first met an edge, if it continued beyond.
     pub(crate) edge: Option<f64>,
@@ -171,7 +171,7 @@ struct SpaceRay<'a> {
     steps: usize,
     rejected: usize,
     conjugates: Vec<f64>,
-    fields: Vec<FieldKnot>,
+    jacobi_knots: Vec<JacobiKnot>,
     segment: Segment<3>,
     edge: Option<f64>,
 }
@@ -205,7 +205,7 @@ pub(crate) fn integrate(
             status: why(&equation, start.at),
             field: [0.0, 1.0],
             conjugates: Vec::new(),
-            fields: Vec::new(),
+            jacobi_knots: Vec::new(),
             segment,
             edge: None,
         };
@@ -225,7 +225,7 @@ pub(crate) fn integrate(
         steps: 0,
         rejected: 0,
         conjugates: Vec::new(),
-        fields: Vec::new(),
+        jacobi_knots: Vec::new(),
         segment,
         edge: None,
     };
@@ -244,7 +244,7 @@ pub(crate) fn integrate(
         status,
         field: ray.field,
         conjugates: ray.conjugates,
-        fields: ray.fields,
+        jacobi_knots: ray.jacobi_knots,
         segment: ray.segment,
         edge: ray.edge,
         evaluations: evaluations.get(),
@@ -330,8 +330,8 @@ impl SpaceRay<'_> {
 
     fn longest(&self) -> f64 {
         let mut longest = f64::INFINITY;
-        if self.plan.field_knots {
-            longest = field::longest_step(self.shape.curvature);
+        if self.plan.jacobi_knots {
+            longest = jacobi::longest_step(self.shape.curvature);
         }
         if self.surface.has_edges() {
             longest = longest.min(BESIDE_EDGES * self.size_here().max(1e-300));
@@ -341,8 +341,8 @@ impl SpaceRay<'_> {
 
     fn note(&mut self) {
         let [m, rate] = self.field;
-        if self.plan.field_knots {
-            self.fields.push(FieldKnot {
+        if self.plan.jacobi_knots {
+            self.jacobi_knots.push(JacobiKnot {
                 length: self.s,
                 m,
                 rate,
@@ -437,7 +437,7 @@ impl SpaceRay<'_> {
         let floor = (2.0 * (rounding + turned)).max(SMALL_STEP * tolerance * scale);
         let allowed = (tolerance * h).max(floor);
         let mut excess = tried.position_error / allowed + scale * tried.direction_error / allowed;
-        if self.plan.fields {
+        if self.plan.accurate_jacobi {
             excess = excess.max(scale * tried.field_error / allowed);
         }
         let root = excess.powf(-1.0 / self.plan.tableau.error_order);

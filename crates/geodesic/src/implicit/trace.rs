@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::ray::{self, SpacePlan, SpaceRayEnd, SpaceState};
 use super::{FieldPiece, ImplicitSurface, PlaceError};
 use crate::fan::ray::Ray;
-use crate::field::FieldKnot;
+use crate::jacobi::JacobiKnot;
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::trace::{FINER, LOOSE, Options, TIGHTEST};
@@ -40,7 +40,7 @@ pub struct SpaceTrace {
     /// The arc lengths of the conjugate points, where m = 0, in ascending order, if the options request them; else empty.
     pub conjugates: Vec<f64>,
     /// The Jacobi field after each step, beginning with the start, if requested; else empty.
-    pub fields: Vec<FieldKnot>,
+    pub jacobi_knots: Vec<JacobiKnot>,
 }
 
 /// A geodesic on a surface in space at several arc lengths.
@@ -162,15 +162,15 @@ impl ImplicitSurface {
     ) -> Result<SpaceTrace, SpaceTraceError> {
         let tolerance = options.tolerance;
         let (piece, start) = self.begin(near, direction, length, tolerance)?;
-        let fields = options.conjugates || options.keep_fields;
+        let accurate_jacobi = options.conjugates || options.keep_jacobi;
         let plan = SpacePlan {
             tableau: if tolerance >= LOOSE { &DOPRI5 } else { &DOP853 },
             tolerance: tolerance.max(TIGHTEST),
             step: self.first_step(start.at, length),
             limit: options.max_evaluations,
-            fields,
+            accurate_jacobi,
             conjugates: options.conjugates,
-            field_knots: options.keep_fields,
+            jacobi_knots: options.keep_jacobi,
             knots: false,
             beyond: false,
         };
@@ -194,7 +194,7 @@ impl ImplicitSurface {
             status: end.status,
             jacobi: end.field,
             conjugates: end.conjugates,
-            fields: end.fields,
+            jacobi_knots: end.jacobi_knots,
         })
     }
 
@@ -238,9 +238,9 @@ impl ImplicitSurface {
             tolerance: tolerance.max(TIGHTEST),
             step: self.first_step(start.at, length),
             limit: options.max_evaluations,
-            fields: false,
+            accurate_jacobi: false,
             conjugates: false,
-            field_knots: false,
+            jacobi_knots: false,
             knots: true,
             beyond: false,
         };
@@ -290,9 +290,9 @@ impl ImplicitSurface {
             tolerance,
             step: 0.3 * plan.step,
             limit: left,
-            fields: false,
+            accurate_jacobi: false,
             conjugates: false,
-            field_knots: false,
+            jacobi_knots: false,
             ..*plan
         };
         let finer = ray::integrate(self, piece, start, length, finer);

@@ -6,7 +6,7 @@
 use super::step::RayStep;
 use super::{IntegrationPlan, stalled_at};
 use crate::chart::{Atlas, Chart, Local, State, rotated};
-use crate::field::{self, FieldKnot};
+use crate::jacobi::{self, JacobiKnot};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::step_control::{ErrorSum, ROUNDING, SHORT, SMALL_STEP, StepControl, UNDEFINED};
@@ -56,13 +56,13 @@ pub(super) struct Cost {
 #[derive(Clone, Debug)]
 pub(super) struct Observers {
     /// True if the Jacobi fields are to be as accurate as the ray.
-    pub(super) fields: bool,
+    pub(super) accurate_jacobi: bool,
     /// The arc lengths of the conjugate points, if requested.
     pub(super) conjugates: Option<Vec<f64>>,
     /// The ends of the steps in (u,v), if requested.
     pub(super) path: Option<Vec<[f64; 2]>>,
     /// The Jacobi field after each step, if requested.
-    pub(super) knots: Option<Vec<FieldKnot>>,
+    pub(super) jacobi_knots: Option<Vec<JacobiKnot>>,
 }
 
 /// The outcome of a step that has been tried.
@@ -97,9 +97,9 @@ impl Ray<'_, '_> {
 
     /// Records the ray's position and its field, if requested.
     pub(super) fn note_place(&mut self) {
-        if let Some(knots) = &mut self.observers.knots {
+        if let Some(knots) = &mut self.observers.jacobi_knots {
             let [m, rate] = self.field;
-            knots.push(FieldKnot {
+            knots.push(JacobiKnot {
                 length: self.s,
                 m,
                 rate,
@@ -118,8 +118,8 @@ impl Ray<'_, '_> {
             Chart::Plain => f64::INFINITY,
             Chart::Apex(chart) => chart.longest(self.state),
         };
-        match self.observers.knots {
-            Some(_) => by_chart.min(field::longest_step(self.local.curvature)),
+        match self.observers.jacobi_knots {
+            Some(_) => by_chart.min(jacobi::longest_step(self.local.curvature)),
             None => by_chart,
         }
     }
@@ -173,7 +173,7 @@ impl Ray<'_, '_> {
             let position = step.position_error / allowed;
             let direction = scale * step.direction_error / allowed;
             let mut excess = position + direction;
-            if self.observers.fields {
+            if self.observers.accurate_jacobi {
                 excess = excess.max(scale * step.field_error / allowed);
             }
             let order = self.plan.tableau.error_order;

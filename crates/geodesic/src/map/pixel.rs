@@ -235,7 +235,7 @@ impl Line<'_, '_> {
         };
         // Jacobi fields reveal the curvature between a step's stages, which the point alone does not.
         let noting = Observed {
-            fields: true,
+            accurate_jacobi: true,
             ..Observed::default()
         };
         let mut end = integrate::integrate_observed(self.atlas, pixel.start, length, plan, noting);

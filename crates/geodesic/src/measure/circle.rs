@@ -7,7 +7,7 @@ use super::between::all_within;
 use super::gap::AimedPlace;
 use super::quadrature;
 use super::source::RaySource;
-use crate::field::absolute_integral;
+use crate::jacobi::absolute_integral;
 use crate::point::Uv;
 use crate::reparametrised::Reparametrised;
 use crate::status::Status;
@@ -90,7 +90,7 @@ fn circle_on(
             }));
         }
         passes_conjugate |= trace.conjugates.iter().any(|s| *s < radius * (1.0 - 1e-9));
-        Ok([end.m.abs(), absolute_integral(&trace.fields)])
+        Ok([end.m.abs(), absolute_integral(&trace.jacobi_knots)])
     };
     let breaks: Vec<f64> = (0..=FIRST)
         .map(|n| TAU * f64::from(n) / f64::from(FIRST))

@@ -192,17 +192,17 @@ impl<'s> RaySource<'s> {
         &self,
         angle: f64,
         length: f64,
-        keep_fields: bool,
+        keep_jacobi: bool,
     ) -> Result<(Arrival, Trace), MeasureError> {
         let [exact, loose] = TOLERANCES;
-        let found = self.follow_with(angle, length, keep_fields, exact)?;
+        let found = self.follow_with(angle, length, keep_jacobi, exact)?;
         // A ray that starts at a tip and does not leave it is a rounding artefact.
         let is_stuck = matches!(self.origin, Origin::Tip { .. }) && found.1.length == 0.0;
         match found.0.status {
-            Status::ConePoint if is_stuck => self.follow_with(angle, length, keep_fields, loose),
+            Status::ConePoint if is_stuck => self.follow_with(angle, length, keep_jacobi, loose),
             Status::Complete | Status::LeftDomain | Status::ConePoint => Ok(found),
             Status::Degenerate | Status::Undefined | Status::WorkLimit => {
-                self.follow_with(angle, length, keep_fields, loose)
+                self.follow_with(angle, length, keep_jacobi, loose)
             }
         }
     }
@@ -211,12 +211,12 @@ impl<'s> RaySource<'s> {
         &self,
         angle: f64,
         length: f64,
-        keep_fields: bool,
+        keep_jacobi: bool,
         tolerance: f64,
     ) -> Result<(Arrival, Trace), MeasureError> {
         let options = Options {
             tolerance,
-            keep_fields,
+            keep_jacobi,
             conjugates: true,
             ..Options::default()
         };

@@ -14,7 +14,7 @@ use super::gap::{AimedPlace, components, is_one_place};
 use super::quadrature;
 use super::shoot::{self, PolarVector};
 use super::source::RaySource;
-use crate::field::integral;
+use crate::jacobi::integral;
 use crate::point::{TangentVector, Uv};
 use crate::reparametrised::Reparametrised;
 use crate::surface::Surface;
@@ -353,7 +353,7 @@ fn sweep(source: &RaySource<'_>, side: &SidePath<'_, '_>, start: PolarVector) ->
             rate,
         });
         let [_, slope] = trace.jacobi;
-        let area = integral(&trace.fields);
+        let area = integral(&trace.jacobi_knots);
         Some([area, 1.0 - slope, 1.0].map(|x| x * rate.angle))
     };
     look(0.0)?;

@@ -8,7 +8,7 @@ use crate::interpolate::{quintic, value};
 
 /// The field after a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FieldKnot {
+pub struct JacobiKnot {
     /// The arc length from the start.
     pub length: f64,
     /// m.
@@ -29,7 +29,7 @@ pub(crate) fn longest_step(curvature: f64) -> f64 {
 
 /// Returns the integral of |m| over the arc length: the area that neighbouring geodesics sweep per unit of the angle
 /// between them, counted as often as it is swept.
-pub fn absolute_integral(knots: &[FieldKnot]) -> f64 {
+pub fn absolute_integral(knots: &[JacobiKnot]) -> f64 {
     let mut sum = 0.0;
     for pair in knots.windows(2) {
         let quintic = Quintic::between(&pair[0], &pair[1]);
@@ -45,8 +45,8 @@ pub fn absolute_integral(knots: &[FieldKnot]) -> f64 {
 }
 
 /// Returns the signed integral of m over the arc length.
-pub fn integral(knots: &[FieldKnot]) -> f64 {
-    let of = |pair: &[FieldKnot]| Quintic::between(&pair[0], &pair[1]).integral(1.0);
+pub fn integral(knots: &[JacobiKnot]) -> f64 {
+    let of = |pair: &[JacobiKnot]| Quintic::between(&pair[0], &pair[1]).integral(1.0);
     knots.windows(2).map(of).sum()
 }
 
@@ -57,9 +57,9 @@ struct Quintic {
 }
 
 impl Quintic {
-    fn between(a: &FieldKnot, b: &FieldKnot) -> Self {
+    fn between(a: &JacobiKnot, b: &JacobiKnot) -> Self {
         let h = b.length - a.length;
-        let ends = |knot: &FieldKnot| [knot.m, knot.rate, -knot.curvature * knot.m];
+        let ends = |knot: &JacobiKnot| [knot.m, knot.rate, -knot.curvature * knot.m];
         Self {
             length: h,
             coefficients: quintic(h, ends(a), ends(b)),
@@ -94,13 +94,13 @@ mod tests {
     use super::*;
 
     /// The field of the unit sphere, sin s.
-    fn sphere(to: f64) -> Vec<FieldKnot> {
+    fn sphere(to: f64) -> Vec<JacobiKnot> {
         let count = (to / SHORT).ceil();
         (0..=count as u32)
             .map(|n| {
                 let length = to * f64::from(n) / count;
                 let (m, rate) = length.sin_cos();
-                FieldKnot {
+                JacobiKnot {
                     length,
                     m,
                     rate,
