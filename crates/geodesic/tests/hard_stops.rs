@@ -156,7 +156,7 @@ fn the_limit_on_evaluations_bounds_every_method() {
             };
             let end = trace(&s, [0.3, 0.2], [1.0, 0.5], 1e5, &options).expect("a start");
             assert_eq!(end.status, Status::WorkLimit);
-            // A start and an end are looked at in any case.
+            // A start and an end are evaluated in any case.
             assert!(end.evaluations <= max_evaluations.max(10), "{end:?}");
             assert!(end.length < 1e5);
         }

@@ -269,7 +269,7 @@ fn a_picture_s_work_is_bounded_whatever_an_evaluation_takes() {
                 ..MapOptions::default()
             };
             let map = exponential_map(&s, &frame, size, &options, &|_| {});
-            // A start is looked at in any case.
+            // A start is evaluated in any case.
             let most = most + 10 * 24 * 24;
             assert!(
                 map.work.evaluations <= most,

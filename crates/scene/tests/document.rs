@@ -72,7 +72,7 @@ fn only_what_can_notice_an_edit_is_checked_again() {
     assert_eq!(redone(text, "b x", "b  (x)"), (1, 3 + 1));
     // Another value: who reads it, who reads those, and so on; not the point's neighbours.
     assert_eq!(redone(text, "1 + 1", "3"), (1, 6));
-    // A slider's end is seen by the metric alone, which is looked at where the params start.
+    // A slider's end is seen by the metric alone, which is checked where the params start.
     assert_eq!(redone(text, "[0, 2]", "[0, 3]"), (1, 2));
     assert_eq!(redone(text, "p : [0, 2]", "p = 1 : [0, 2]"), (1, 2));
     // A grid's count is seen by what is drawn once for each of its values.

@@ -458,7 +458,7 @@ fn intervals_are_constant_finite_and_in_order() {
         "[0, 1, 1e9]",
         "the count of this interval is 1000000000, and the limit is 1000000",
     );
-    // Each interval is looked at, and a mistake inside an expression has its own place.
+    // Each interval is checked, and a mistake inside an expression has its own place.
     let source = "param a : [2, 1], [0, 1 + (1,2)], [0, 1];";
     let marked: Vec<_> = errors(source)
         .iter()

@@ -150,7 +150,7 @@ fn an_edit_reads_its_statement_and_no_other() {
     assert_eq!(change.read.len(), 1);
     let after = document.counters();
     assert_eq!(after.edited - before.edited, 1);
-    // The chunk above is looked at where the edit may make it longer, and the one below.
+    // The chunk above is read where the edit may make it longer, and the one below.
     assert!(after.cut - before.cut < 300, "{after:?}");
     let at = document.text().find("ball250").expect("there") as u32;
     let change = document.edit(Span::new(at, at), "- ").expect("an edit");

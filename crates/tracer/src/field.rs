@@ -50,7 +50,7 @@ struct FieldCode {
 #[derive(Debug)]
 pub(crate) struct FieldCompiler<'g> {
     pub(crate) graph: &'g Graph,
-    known: RefCell<FxHashMap<NodeId, Arc<FieldCode>>>,
+    codes: RefCell<FxHashMap<NodeId, Arc<FieldCode>>>,
 }
 
 impl<'g> FieldCompiler<'g> {
@@ -58,13 +58,13 @@ impl<'g> FieldCompiler<'g> {
     pub(crate) fn new(graph: &'g Graph) -> Self {
         Self {
             graph,
-            known: RefCell::default(),
+            codes: RefCell::default(),
         }
     }
 
     fn code(&self, root: NodeId) -> Result<Arc<FieldCode>, TooLarge> {
-        if let Some(known) = self.known.borrow().get(&root) {
-            return Ok(known.clone());
+        if let Some(code) = self.codes.borrow().get(&root) {
+            return Ok(code.clone());
         }
         let (mut graph, roots) = self.graph.extract(&[root]);
         let mut gradient = Vec::new();
@@ -78,7 +78,7 @@ impl<'g> FieldCompiler<'g> {
             root: roots[0],
             graph,
         });
-        self.known.borrow_mut().insert(root, code.clone());
+        self.codes.borrow_mut().insert(root, code.clone());
         Ok(code)
     }
 }

@@ -69,7 +69,7 @@ pub mod optics;
 pub mod picture;
 mod product;
 mod program;
-mod reach;
+mod region_bounds;
 mod roots;
 pub mod shade;
 mod shape;

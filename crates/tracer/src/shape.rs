@@ -14,7 +14,7 @@ use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::field::{Field, FieldCompiler, FieldScratch};
 use crate::frame::{centres, frame};
 use crate::program::PolynomialProgram;
-use crate::reach::{ellipsoid, reach};
+use crate::region_bounds::{ellipsoid, region_bounds};
 use crate::surface::PolynomialSurface;
 
 /// The set where `field` is not positive, within cuts.
@@ -104,8 +104,8 @@ impl Shape {
                 },
                 None => {
                     let found = enclose(limits, &mut on_box);
-                    let reach = || reach(&region, work).map(within);
-                    match found.if_finite().map_or_else(reach, |_| None) {
+                    let bounds = || region_bounds(&region, work).map(within);
+                    match found.if_finite().map_or_else(bounds, |_| None) {
                         Some(sides) if is_empty(&sides) => BoundingBox::EMPTY,
                         Some(sides) => enclose(sides, &mut on_box),
                         None => found,

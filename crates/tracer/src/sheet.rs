@@ -76,7 +76,7 @@ pub struct SheetCounters {
     pub cells: u64,
     /// Cells whose boxes rays have met.
     pub met: u64,
-    /// Cells that rays have looked at, halves of those that they have met among them.
+    /// Cells that were examined for rays, halves of those that they have met among them.
     pub parts: u64,
 }
 
@@ -88,7 +88,7 @@ const SMALL: f64 = 1.0 / 48.0;
 const CELL_OPERATIONS: u64 = 16;
 /// The number of times that a cell is halved for a ray.
 const DEEPEST: u32 = 44;
-/// The number of parts of a cell that are looked at for a ray.
+/// The number of parts of a cell that are examined for a ray.
 const MOST_PARTS: usize = 1 << 14;
 /// The number of cells whose halves are kept, of all surfaces together: they take some 100 MB.
 pub const MOST_HALVED: usize = 1 << 17;

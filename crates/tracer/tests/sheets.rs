@@ -413,7 +413,7 @@ fn a_picture_divides_no_cell_twice() {
         let (hits, cells, parts) = picture();
         assert!(hits > 1000, "{name}: {hits}");
         assert!(cells < 25_000, "{name}: {cells} evaluations on cells");
-        assert!(parts < 60_000, "{name}: {parts} cells are looked at");
+        assert!(parts < 60_000, "{name}: {parts} cells are examined");
         assert_eq!(picture(), (hits, 0, parts), "{name}");
     }
 }

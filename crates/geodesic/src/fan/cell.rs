@@ -273,7 +273,7 @@ pub(crate) fn hermite<const D: usize>(
 }
 
 /// Returns the point between two rays that are both known to continue at the arc length `s` and do not end at an
-/// oblique edge: the same as [`look`] returns, at lower cost. `None` where they are not in the plain coordinates, or
+/// oblique edge: the same as [`end_between`] returns, at lower cost. `None` where they are not in the plain coordinates, or
 /// where the general case applies.
 #[inline(always)]
 pub(super) fn free_end_between(

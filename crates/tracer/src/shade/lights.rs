@@ -1,7 +1,7 @@
 //! The light that comes to faces from lights.
 //!
 //! Input: faces that paths come to. Output: what they send towards the starts of the paths of the light from lights. The faces
-//! stand in blocks, those of one surface together. One light after another is looked at from all of them, vector by vector;
+//! stand in blocks, those of one surface together. One light after another is evaluated at all of them, vector by vector;
 //! then the rays from one surface towards it are cast together. Faces without a highlight that nothing hides from the
 //! light are lit block by block, the others one by one.
 

@@ -1,7 +1,7 @@
 //! Paths of light, a bundle at a time.
 //!
 //! Input: rays that start near each other and go nearly the same way. Output: the light that comes along each. All paths of a
-//! bundle come to their first faces, then one light after another is looked at from all faces, then all are followed on from
+//! bundle come to their first faces, then one light after another is evaluated at all faces, then all are followed on from
 //! mirrors, then from glass. So each step casts rays that go nearly the same way again, and what none of them meets is left
 //! out at once. The light along a ray does not depend on the others.
 

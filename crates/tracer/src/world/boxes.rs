@@ -13,7 +13,7 @@ use super::LEAF_WORK;
 use super::builder::PlacedShape;
 use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::field::FieldScratch;
-use crate::reach::joint_reach;
+use crate::region_bounds::joint_bounds;
 use crate::shape::{FramedShape, Shape};
 use crate::shared::coordinates;
 use crate::tree::TreeStep;
@@ -128,7 +128,7 @@ impl JointSet<'_> {
             Region::Polynomial(Polynomial::linear(-place, slopes))
         });
         let region = Region::All(ends.chain([self.region()]).collect());
-        match joint_reach(&region, self.work) {
+        match joint_bounds(&region, self.work) {
             Some(cube) => self.enclosed(found.common(&cube)),
             None => found,
         }

@@ -83,17 +83,17 @@ const FINEST: f64 = 1.0 / 128.0;
 
 /// Returns a box that contains the region, as far as its polynomials show, each by itself or all together; `None` once
 /// `work` is used up.
-pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
-    let found = reach_of_each(region, work);
+pub(crate) fn region_bounds(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
+    let found = bounds_of_each(region, work);
     found.or_else(|| match region {
-        Region::All(_) | Region::Any(_) => joint_reach(region, work),
+        Region::All(_) | Region::Any(_) => joint_bounds(region, work),
         _ => None,
     })
 }
 
 /// Returns a box that contains the region, outside of which each point is outside of one of the intersected sets.
 /// Half-spaces bound a polyhedron in this way, though none of them is bounded.
-pub(crate) fn joint_reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
+pub(crate) fn joint_bounds(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     let mut least = None;
     for k in (-LARGEST..=LARGEST).rev().step_by(2) {
         let size = f64::from(k).exp2();
@@ -193,7 +193,7 @@ fn parts_of_faces(
 }
 
 /// Returns a box that contains the region, as far as each of its polynomials shows by itself.
-fn reach_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
+fn bounds_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
             let size = DVec3::splat(cube(p, work)?);
@@ -205,7 +205,7 @@ fn reach_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
         Region::Field(..) => None,
         Region::All(parts) => parts
             .iter()
-            .filter_map(|part| reach_of_each(part, work))
+            .filter_map(|part| bounds_of_each(part, work))
             .reduce(|a, b| BoundingBox {
                 lower: a.lower.max(b.lower),
                 upper: a.upper.min(b.upper),
@@ -213,7 +213,7 @@ fn reach_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
         Region::Any(parts) => {
             let mut all = BoundingBox::EMPTY;
             for part in parts {
-                all = all.union(&reach_of_each(part, work)?);
+                all = all.union(&bounds_of_each(part, work)?);
             }
             Some(all)
         }
