@@ -24,7 +24,7 @@ pub fn integer_power(x: f64, n: i32) -> f64 {
 }
 
 /// [`integer_power`] in each lane.
-pub fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64; N]) {
+pub(crate) fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64; N]) {
     let mut remaining = n.unsigned_abs();
     let mut square = *x;
     *out = [1.0; N];

@@ -304,7 +304,7 @@ impl Node {
     }
 
     /// Returns true for operations, false for constants and inputs.
-    pub fn is_operation(self) -> bool {
+    pub(crate) fn is_operation(self) -> bool {
         !matches!(self, Self::Constant(_) | Self::Input(_))
     }
 

@@ -7,11 +7,10 @@
 //!
 //! f64 functions are those of `std`, which round as the system's mathematical library does.
 
-pub(crate) use crate::arithmetic::small_integer;
 pub use crate::arithmetic::{
-    LARGEST_INTEGER_POWER, at_most, greatest, integer_power, integer_power_lanes, least, power,
-    sign, zmul,
+    LARGEST_INTEGER_POWER, at_most, greatest, integer_power, least, power, sign, zmul,
 };
+pub(crate) use crate::arithmetic::{integer_power_lanes, small_integer};
 
 mod binary;
 mod lanes;
@@ -49,7 +48,7 @@ pub enum Operation {
 }
 
 /// The WGSL of an integer power: a function of the shader library that takes the base and an `i32`.
-pub const INTEGER_POWER_WGSL: Wgsl = Wgsl::Library("integer_power");
+pub(crate) const INTEGER_POWER_WGSL: Wgsl = Wgsl::Library("integer_power");
 
 /// The named constants of programs: name, value, and description.
 pub const CONSTANTS: [(&str, f64, &str); 2] = [

@@ -303,7 +303,7 @@ impl ImplicitSurface {
     }
 
     /// Returns true if the surface may have edges.
-    pub fn has_edges(&self) -> bool {
+    pub(crate) fn has_edges(&self) -> bool {
         !self.kinks.is_empty()
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn longest_step(curvature: f64) -> f64 {
 
 /// Returns the integral of |m| over the arc length: the area that neighbouring geodesics sweep per unit of the angle
 /// between them, counted as often as it is swept.
-pub fn absolute_integral(knots: &[JacobiKnot]) -> f64 {
+pub(crate) fn absolute_integral(knots: &[JacobiKnot]) -> f64 {
     let mut sum = 0.0;
     for pair in knots.windows(2) {
         let quintic = Quintic::between(&pair[0], &pair[1]);
@@ -45,7 +45,7 @@ pub fn absolute_integral(knots: &[JacobiKnot]) -> f64 {
 }
 
 /// Returns the signed integral of m over the arc length.
-pub fn integral(knots: &[JacobiKnot]) -> f64 {
+pub(crate) fn integral(knots: &[JacobiKnot]) -> f64 {
     let of = |pair: &[JacobiKnot]| Quintic::between(&pair[0], &pair[1]).integral(1.0);
     knots.windows(2).map(of).sum()
 }

@@ -19,7 +19,6 @@ mod fit;
 mod square;
 pub mod table;
 
-pub use angle::ARC_TANGENT;
 pub use evaluate::Rows;
 
 use std::array::from_fn;

@@ -124,7 +124,7 @@ impl<'s> Reparametrised<'s> {
     }
 
     /// Converts a vector at a point, both in the new parameters, to the surface's own parameters.
-    pub fn restored_vector(&self, place: Uv, vector: TangentVector) -> TangentVector {
+    pub(crate) fn restored_vector(&self, place: Uv, vector: TangentVector) -> TangentVector {
         let (_, slopes) = self.restored(place);
         TangentVector(from_fn(|k| slopes[k] * vector[k]))
     }

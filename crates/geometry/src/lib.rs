@@ -25,6 +25,6 @@ pub use declared::{
     follow_declared, follow_declared_over, lies_in_space,
 };
 pub use manifold::{Manifold, ManifoldError};
-pub use polyline::{GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at, space_knots_at};
+pub use polyline::{GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at};
 pub use polyline_cache::{ChartPolyline, GeodesicSegment};
 pub use solid_surface::SolidSurface;

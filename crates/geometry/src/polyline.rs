@@ -94,7 +94,7 @@ pub fn knots_at(
 ///
 /// # Errors
 /// It cannot start.
-pub fn space_knots_at(
+pub(crate) fn space_knots_at(
     surface: &ImplicitSurface,
     start: [f64; 3],
     direction: [f64; 3],

@@ -7,18 +7,18 @@
 //!                                                                 └─▶ convert          a program in Geotrace's language
 //! ```
 
-pub mod colour;
-pub mod completion;
-pub mod convert;
+mod colour;
+mod completion;
+mod convert;
 mod edit_settings;
-pub mod format;
-pub mod hover;
-pub mod links;
-pub mod names;
-pub mod outline;
-pub mod rename;
-pub mod semantic;
-pub mod signature;
+mod format;
+mod hover;
+mod links;
+mod names;
+mod outline;
+mod rename;
+mod semantic;
+mod signature;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -52,7 +52,7 @@ pub struct Crt;
 
 /// A CRT script.
 #[derive(Debug)]
-pub struct CrtProgram {
+struct CrtProgram {
     document: Document,
     /// The analysis of the document's present state, once requested.
     analysis: OnceLock<Arc<CrtAnalysis>>,
@@ -69,7 +69,7 @@ struct CrtRun {
 /// A CRT script at one version. It is run on the first request for results that require a run. An edit of the program
 /// cancels a run in progress.
 #[derive(Debug)]
-pub struct CrtAnalysis {
+struct CrtAnalysis {
     snapshot: Snapshot,
     /// The diagnostics of reading the script.
     reading_diagnostics: Arc<[Diagnostic]>,
@@ -220,12 +220,12 @@ impl CrtAnalysis {
 
     /// Returns the locations where the run assigns names, in the order of the text; `None` for a script that is not
     /// run.
-    pub fn assignments(&self) -> Option<&[Assignment]> {
+    pub(crate) fn assignments(&self) -> Option<&[Assignment]> {
         self.run().map(|run| &run.assignments[..])
     }
 
     /// Returns the syntax tree of the script.
-    pub fn script(&self) -> Script {
+    pub(crate) fn script(&self) -> Script {
         self.snapshot.script()
     }
 
@@ -234,27 +234,27 @@ impl CrtAnalysis {
     }
 
     /// Returns the names of the script, which are resolved on the first call.
-    pub fn names(&self) -> &ScriptNames {
+    pub(crate) fn names(&self) -> &ScriptNames {
         self.names.get_or_init(|| ScriptNames::of(&self.script()))
     }
 
     /// Returns the tokens that touch a range, including comments.
-    pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
+    pub(crate) fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         self.snapshot.tokens(range)
     }
 
     /// Returns all tokens, including comments.
-    pub fn all_tokens(&self) -> Vec<Token> {
+    pub(crate) fn all_tokens(&self) -> Vec<Token> {
         self.tokens(Span::new(0, self.snapshot.len())).collect()
     }
 
     /// Returns the text of a range; empty if the range is outside the text.
-    pub fn slice(&self, span: Span) -> String {
+    pub(crate) fn slice(&self, span: Span) -> String {
         self.snapshot.slice(span).unwrap_or_default()
     }
 
     /// Returns the word at an offset: the token that contains it, or else the word that ends there.
-    pub fn word_at(&self, offset: u32) -> Option<Token> {
+    pub(crate) fn word_at(&self, offset: u32) -> Option<Token> {
         let around = Span::new(offset, offset);
         let mut words = self.tokens(around).filter(|token| {
             let text = self.slice(token.span);

@@ -10,12 +10,12 @@
 //!
 //! Rename and format read their results again and refuse changes of meaning.
 
-pub mod analysis;
+mod analysis;
 mod application;
 pub mod colour;
 pub mod completion;
 mod completion_place;
-pub mod describe;
+mod describe;
 pub mod edit_camera;
 pub mod edit_param;
 pub mod format;
@@ -29,7 +29,7 @@ mod names_in_scope;
 pub mod navigation;
 pub mod outline;
 mod overview;
-pub mod preview_values;
+mod preview_values;
 pub mod rename;
 pub mod semantic;
 pub mod signature;

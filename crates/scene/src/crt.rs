@@ -44,7 +44,7 @@ pub const MAX_WORK: u32 = 1_000_000;
 /// The maximum total number of expressions, statements and elements of compared lists in a run: they take some seconds.
 pub const MAX_STEPS: u64 = 64_000_000;
 /// The number of bytes of a new string that count as one iteration.
-pub const BYTES_OF_A_ROUND: usize = 256;
+pub(crate) const BYTES_OF_A_ROUND: usize = 256;
 /// The maximum depth of nested macro calls.
 pub const MAX_CALLS: u32 = 200;
 /// The maximum number of characters of a string, of elements of a list, and of leaves of all entities.

@@ -12,7 +12,7 @@ pub const MAX_INSTANCES: u64 = 1_000_000;
 pub const MAX_SAMPLES: u64 = 20_000_000;
 
 /// The number of samples of a curve, and of a surface along each parameter, unless its interval states a count.
-pub const DEFAULT_SAMPLES: u32 = 100;
+pub(crate) const DEFAULT_SAMPLES: u32 = 100;
 
 /// The maximum number of components of all params and grids together: every GPU supports this many uniforms (64 KiB of
 /// f32).

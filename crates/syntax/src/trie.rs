@@ -67,14 +67,14 @@ impl<V: Copy> Trie<V> {
     }
 
     /// Returns the longest name that is a prefix of `word`: its length in bytes and its value.
-    pub fn longest_prefix(&self, word: &str) -> Option<(usize, V)> {
+    pub(crate) fn longest_prefix(&self, word: &str) -> Option<(usize, V)> {
         let mut longest = None;
         self.each_prefix(word, |length, value| longest = Some((length, value)));
         longest
     }
 
     /// Calls `found` with the length and value of each name that is a prefix of `word`, shortest first.
-    pub fn each_prefix(&self, word: &str, mut found: impl FnMut(usize, V)) {
+    pub(crate) fn each_prefix(&self, word: &str, mut found: impl FnMut(usize, V)) {
         let word = word.as_bytes();
         let Some(root) = &self.root else { return };
         let mut node = &**root;
@@ -102,7 +102,11 @@ impl<V: Copy> Trie<V> {
 
     /// Visits the names that begin with `prefix`, including itself, as [`each`](Self::each) does; other names cost
     /// nothing.
-    pub fn each_from(&self, prefix: &str, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
+    pub(crate) fn each_from(
+        &self,
+        prefix: &str,
+        mut visit: impl FnMut(&str, V) -> ControlFlow<()>,
+    ) {
         let Some(root) = &self.root else { return };
         let mut node = &**root;
         let (mut name, mut above) = (String::new(), 0);

@@ -41,7 +41,7 @@ macro_rules! binary_operations {
 
             /// The rule of its derivative, for readers: a and b are the operands, a' and b' their derivatives,
             /// y the result.
-            pub fn derivative_text(self) -> &'static str {
+            pub(crate) fn derivative_text(self) -> &'static str {
                 match self { $(Self::$variant => $text,)+ }
             }
 
@@ -63,7 +63,7 @@ macro_rules! binary_operations {
             }
 
             /// Its value in each lane.
-            pub fn eval_lanes<const N: usize>(
+            pub(crate) fn eval_lanes<const N: usize>(
                 self,
                 a: Lanes<'_, N>,
                 b: Lanes<'_, N>,

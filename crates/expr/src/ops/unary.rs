@@ -48,7 +48,7 @@ macro_rules! unary_operations {
             }
 
             /// The rule of its derivative, for readers: x is the operand, x' its derivative.
-            pub fn derivative_text(self) -> &'static str {
+            pub(crate) fn derivative_text(self) -> &'static str {
                 match self { $(Self::$variant => $text,)+ }
             }
 
@@ -70,7 +70,7 @@ macro_rules! unary_operations {
             }
 
             /// Its value in each lane.
-            pub fn eval_lanes<const N: usize>(self, x: &[f64; N], out: &mut [f64; N]) {
+            pub(crate) fn eval_lanes<const N: usize>(self, x: &[f64; N], out: &mut [f64; N]) {
                 match self { $(Self::$variant => each(x, out, |$x| $value),)+ }
             }
 

@@ -3,7 +3,7 @@
 
 /// atan z = z + z³ (c₀ + c₁z² + … + c₆z¹²) for z in [0, 1], with an error of at most 5·10⁻⁸ in exact arithmetic (the
 /// minimax polynomial of this degree, by the Remez algorithm). The shader has the same numbers.
-pub const ARC_TANGENT: [f32; 7] = [
+const ARC_TANGENT: [f32; 7] = [
     -0.333_316_6,
     0.199_627_04,
     -0.139_765_84,

@@ -33,7 +33,7 @@ use crate::ends::Coordinates;
 use crate::status::Status;
 
 /// The number of words before the covers.
-pub const HEADER_WORDS: usize = 44;
+pub(crate) const HEADER_WORDS: usize = 44;
 /// The number of words of an apex.
 pub const APEX_WORDS: usize = 8;
 /// The number of words of a patch: a head of eight, and the coefficients.

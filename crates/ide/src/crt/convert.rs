@@ -18,7 +18,7 @@ use crate::language::Analysis;
 ///
 /// # Errors
 /// [`ConvertError`].
-pub fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, ConvertError> {
+pub(super) fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, ConvertError> {
     let diagnostics = analysis.diagnostics();
     if diagnostics.iter().any(|it| it.severity == Severity::Error) {
         return Err(ConvertError::HasErrors);

@@ -17,11 +17,11 @@ use syntax::span::Span;
 use crate::occurrence::Occurrence;
 
 /// A variable, by its number.
-pub type VariableId = usize;
+pub(super) type VariableId = usize;
 
 /// The kind of value that was assigned to a variable first, as far as the text shows it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Origin {
+pub(super) enum Origin {
     /// It is the parameter of a macro.
     Parameter,
     /// It is assigned a macro.
@@ -34,15 +34,15 @@ pub enum Origin {
 
 /// A variable.
 #[derive(Clone, Debug)]
-pub struct Variable {
+pub(super) struct Variable {
     /// Its name.
-    pub name: Arc<str>,
+    pub(super) name: Arc<str>,
     /// The kind of its first value.
-    pub origin: Origin,
+    pub(super) origin: Origin,
     /// The span of its first assignment.
-    pub assignment: Span,
+    pub(super) assignment: Span,
     /// The span of the scope: of the macro with its parameters; `None` for the script.
-    pub scope: Option<Span>,
+    pub(super) scope: Option<Span>,
     /// The index of its first binding, in the order of the text.
     order: usize,
     /// The parameters of the macro that is its first value.
@@ -72,40 +72,40 @@ struct MacroScope {
 
 /// An object in the text.
 #[derive(Clone, Debug)]
-pub struct ObjectPlace {
+pub(super) struct ObjectPlace {
     /// The object; `None` for an unknown name.
-    pub object: Option<ObjectName>,
+    pub(super) object: Option<ObjectName>,
     /// The span of the name.
-    pub name: Span,
+    pub(super) name: Span,
     /// The span of the braces.
-    pub braces: Span,
+    pub(super) braces: Span,
     /// The spans of the attributes, each with the span of its name.
-    pub attributes: Vec<(Span, Span)>,
+    pub(super) attributes: Vec<(Span, Span)>,
 }
 
 /// All names of a script.
 #[derive(Debug, Default)]
-pub struct ScriptNames {
+pub(super) struct ScriptNames {
     scopes: Vec<MacroScope>,
     variables: Vec<Variable>,
     uses: Vec<NameUse>,
     /// The objects, including the block `Settings`, in the order of the text.
-    pub objects: Vec<ObjectPlace>,
+    pub(super) objects: Vec<ObjectPlace>,
     /// The spans of bodies between braces.
-    pub bodies: Vec<Span>,
+    pub(super) bodies: Vec<Span>,
     /// The starts of statements and blocks.
-    pub starts: Vec<u32>,
+    pub(super) starts: Vec<u32>,
     /// The positions of the `>` that close modifiers.
-    pub modifier_ends: Vec<u32>,
+    pub(super) modifier_ends: Vec<u32>,
     /// The calls of `rgb` with numbers.
-    pub colours: Vec<(Span, [f64; 3])>,
+    pub(super) colours: Vec<(Span, [f64; 3])>,
     /// The strings that name images, with the spans between their quotes.
-    pub images: Vec<(Span, Arc<str>)>,
+    pub(super) images: Vec<(Span, Arc<str>)>,
 }
 
 impl ScriptNames {
     /// Resolves the names of a script.
-    pub fn of(script: &Script) -> Self {
+    pub(super) fn of(script: &Script) -> Self {
         let mut walk = Walk {
             names: Self::default(),
             base: 0,
@@ -173,7 +173,7 @@ impl ScriptNames {
     }
 
     /// Returns the variable of the name at an offset, with the span of the name.
-    pub fn variable_at(&self, offset: u32) -> Option<(Span, VariableId)> {
+    pub(super) fn variable_at(&self, offset: u32) -> Option<(Span, VariableId)> {
         let after = self.uses.partition_point(|it| it.span.end < offset);
         let near = self.uses.get(after..)?.iter().take(2);
         let mut near = near.filter(|it| it.span.start <= offset && offset <= it.span.end);
@@ -182,30 +182,30 @@ impl ScriptNames {
     }
 
     /// Returns a variable by its number.
-    pub fn variable(&self, variable: VariableId) -> &Variable {
+    pub(super) fn variable(&self, variable: VariableId) -> &Variable {
         &self.variables[variable]
     }
 
     /// Returns the parameters of the macro that is a variable's first value; `None` if that is not a macro.
-    pub fn parameters(&self, variable: VariableId) -> Option<&[Arc<str>]> {
+    pub(super) fn parameters(&self, variable: VariableId) -> Option<&[Arc<str>]> {
         self.variables[variable].parameters.as_deref()
     }
 
     /// Returns the variables; variables that count as the same are returned once.
-    pub fn variables(&self) -> impl Iterator<Item = &Variable> {
+    pub(super) fn variables(&self) -> impl Iterator<Item = &Variable> {
         let all = self.variables.iter().enumerate();
         all.filter(|(k, it)| it.same == *k).map(|(_, it)| it)
     }
 
     /// Returns the first span that binds a variable.
-    pub fn first(&self, variable: VariableId) -> Option<Span> {
+    pub(super) fn first(&self, variable: VariableId) -> Option<Span> {
         let occurrences = self.occurrences(variable).into_iter();
         let mut binding = occurrences.filter(|it| it.introduces);
         Some(binding.next()?.span)
     }
 
     /// Returns the occurrences of a variable, in the order of the text.
-    pub fn occurrences(&self, variable: VariableId) -> Vec<Occurrence> {
+    pub(super) fn occurrences(&self, variable: VariableId) -> Vec<Occurrence> {
         let uses = self.uses.iter();
         let uses = uses.filter(|it| it.variable.is_some_and(|it| self.same(it) == variable));
         let places = uses.map(|it| Occurrence {
@@ -216,26 +216,26 @@ impl ScriptNames {
     }
 
     /// Returns the bindings of a variable, in the order of the text: the spans of the name and of the assignment.
-    pub fn bindings(&self, variable: VariableId) -> impl Iterator<Item = (Span, Span)> {
+    pub(super) fn bindings(&self, variable: VariableId) -> impl Iterator<Item = (Span, Span)> {
         let uses = self.uses.iter();
         let uses = uses.filter(move |it| it.variable.is_some_and(|it| self.same(it) == variable));
         uses.filter_map(|it| Some((it.span, it.binds?)))
     }
 
     /// Returns the first occurrence of a name, whatever its meaning.
-    pub fn place_of(&self, name: &str) -> Option<Span> {
+    pub(super) fn place_of(&self, name: &str) -> Option<Span> {
         let mut uses = self.uses.iter().filter(|it| &*it.name == name);
         uses.next().map(|it| it.span)
     }
 
     /// Returns the object with an attribute whose name has this span.
-    pub fn object_of(&self, name: Span) -> Option<&ObjectPlace> {
+    pub(super) fn object_of(&self, name: Span) -> Option<&ObjectPlace> {
         let holds = |it: &&ObjectPlace| it.attributes.iter().any(|(_, place)| *place == name);
         self.objects.iter().find(holds)
     }
 
     /// Returns the spans of attribute names, in the order of the text.
-    pub fn attribute_names(&self) -> Vec<Span> {
+    pub(super) fn attribute_names(&self) -> Vec<Span> {
         let objects = self.objects.iter();
         let names = objects.flat_map(|it| it.attributes.iter().map(|(_, name)| *name));
         let mut names: Vec<Span> = names.collect();

@@ -120,21 +120,21 @@ impl GeotraceAnalysis {
     }
 
     /// Returns the tokens before a token, in reverse order.
-    pub fn tokens_before(&self, token: usize) -> impl Iterator<Item = Lexeme<'_>> {
+    pub(crate) fn tokens_before(&self, token: usize) -> impl Iterator<Item = Lexeme<'_>> {
         (0..token.min(self.token_count()))
             .rev()
             .filter_map(|k| self.token(k))
     }
 
     /// Returns the numbers of the tokens that touch a range.
-    pub fn tokens_in(&self, span: Span) -> Range<usize> {
+    pub(crate) fn tokens_in(&self, span: Span) -> Range<usize> {
         let first = self.document.tokens_ended(span.start) as usize;
         let last = self.document.tokens_begun(span.end) as usize;
         first..last.max(first)
     }
 
     /// Returns the number of declarations.
-    pub fn item_count(&self) -> usize {
+    pub(crate) fn item_count(&self) -> usize {
         self.document.declaration_count() as usize
     }
 
@@ -147,7 +147,7 @@ impl GeotraceAnalysis {
     }
 
     /// Returns the declarations from a number on, in the order of the text.
-    pub fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
+    pub(crate) fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
         let first = u32::try_from(item).ok();
         let first = first.and_then(|first| self.document.placed_chunk_of_declaration(first));
         let skipped = first.map_or(0, |(_, index)| index);
@@ -168,7 +168,7 @@ impl GeotraceAnalysis {
     }
 
     /// Returns the declarations that touch a range.
-    pub fn items_in(&self, span: Span) -> impl Iterator<Item = Item<'_>> {
+    pub(crate) fn items_in(&self, span: Span) -> impl Iterator<Item = Item<'_>> {
         let first = self.document.declarations_ended(span.start) as usize;
         let from = self.items_from(first);
         from.take_while(move |item| item.span.start < span.end)
@@ -217,7 +217,7 @@ impl GeotraceAnalysis {
 
     /// Returns the number of the token at an offset: the token that contains it, or else the word or number that ends
     /// there.
-    pub fn token_at(&self, offset: u32) -> Option<usize> {
+    pub(crate) fn token_at(&self, offset: u32) -> Option<usize> {
         let next = self.document.tokens_ended(offset) as usize;
         let holds = self.token(next).filter(|it| it.span.start <= offset);
         let ends = next.checked_sub(1).and_then(|k| self.token(k));
@@ -233,7 +233,7 @@ impl GeotraceAnalysis {
     }
 
     /// Returns the declaration that contains an offset, or ends there.
-    pub fn item_at(&self, offset: u32) -> Option<Item<'_>> {
+    pub(crate) fn item_at(&self, offset: u32) -> Option<Item<'_>> {
         let begun = self.document.declarations_begun(offset) as usize;
         let item = self.item(begun.checked_sub(1)?)?;
         (offset <= item.span.end).then_some(item)
@@ -270,7 +270,7 @@ impl GeotraceAnalysis {
     }
 
     /// Returns the span where a name is introduced; `None` for a builtin.
-    pub fn introduction(&self, target: Target) -> Option<Span> {
+    pub(crate) fn introduction(&self, target: Target) -> Option<Span> {
         match target {
             Target::Symbol(id) => self.place(id),
             Target::Parameter { item, position } => {
@@ -335,7 +335,7 @@ impl GeotraceAnalysis {
     }
 
     /// Returns true if a symbol reads a param or a grid, directly or indirectly.
-    pub fn depends_on_settings(&self, symbol: SymbolId) -> bool {
+    pub(crate) fn depends_on_settings(&self, symbol: SymbolId) -> bool {
         let mut known = self
             .dependent
             .lock()

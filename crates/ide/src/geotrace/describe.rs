@@ -97,7 +97,7 @@ pub(crate) fn stated_attribute(analysis: &GeotraceAnalysis, token: usize) -> Opt
 }
 
 /// Describes a target.
-pub fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Description> {
+pub(super) fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Description> {
     match target {
         Target::Symbol(id) => match analysis.item_of(id).and_then(|k| analysis.item(k)) {
             Some(item) => Some(declared(analysis, &item)),

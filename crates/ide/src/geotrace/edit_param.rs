@@ -70,7 +70,7 @@ pub fn edit_param(
 const STEPS: f64 = 10_000.0;
 
 /// Returns the span of a param's initial value, if it is stated.
-pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
+pub(crate) fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
     if item.keyword.category() != Category::Slider {
         return None;
     }

@@ -13,7 +13,7 @@ use crate::hint::Hint;
 
 /// Returns hints such as `= 0.25` after each param in a range that has a value, and after each define that depends on one;
 /// `values` are by name, one number per component.
-pub fn preview_values(
+pub(super) fn preview_values(
     analysis: &GeotraceAnalysis,
     range: Span,
     values: &BTreeMap<String, Vec<f64>>,

@@ -166,7 +166,7 @@ fn string(bytes: &[u8]) -> (usize, bool) {
 ///
 /// # Errors
 /// The span of the first `\` that does not begin an escape.
-pub fn string_value(literal: &str) -> Result<Cow<'_, str>, Span> {
+pub(crate) fn string_value(literal: &str) -> Result<Cow<'_, str>, Span> {
     let end = literal.len().saturating_sub(1).max(1);
     let inside = &literal[1..end];
     if !inside.contains('\\') {

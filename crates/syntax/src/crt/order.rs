@@ -7,7 +7,7 @@ use crate::span::Span;
 
 impl Script {
     /// Returns the diagnostics of misplaced or missing blocks.
-    pub fn misplaced(&self) -> Vec<Diagnostic> {
+    pub(crate) fn misplaced(&self) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         let mut first: [Option<Span>; 2] = [None; 2];
         let mut has_blocks = false;

@@ -259,7 +259,7 @@ impl DeclarationKeyword {
 
     /// Returns true if the declared name is applied to operands, and false if it is a value. `states_parameters` is true
     /// if the declaration lists parameters.
-    pub fn declares_function(self, states_parameters: bool) -> bool {
+    pub(crate) fn declares_function(self, states_parameters: bool) -> bool {
         match self.row().parameters {
             ParameterCount::None => false,
             ParameterCount::Optional => states_parameters,

@@ -88,7 +88,7 @@ impl<'s> Lexer<'s> {
     }
 
     /// Goes back to the start of a token, to read it in another mode.
-    pub fn rewind(&mut self, start: u32) {
+    pub(crate) fn rewind(&mut self, start: u32) {
         debug_assert!(
             start as usize <= self.position && self.source.is_char_boundary(start as usize)
         );
