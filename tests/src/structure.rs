@@ -455,7 +455,7 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
         .into_iter()
         .filter(|path| !path.starts_with("crates/render/src/view"))
         .collect();
-    let shapes = variants(files, "crates/scene/src/scene.rs", "Shape");
+    let shapes = variants(files, "crates/scene/src/scene/shape.rs", "Shape");
     let shapes = merged([each(&shapes, |it| naming(files, "Shape", Some(it)))]);
     let keywords = DeclarationKeyword::ALL.map(|keyword| keyword.row().text);
     let words = merged([
