@@ -148,7 +148,7 @@ fn term_count(region: &Region) -> usize {
     }
 }
 
-/// What is known of a part of the cube's surface.
+/// The decision about a part of the cube's surface.
 enum PartOfCube {
     Outside,
     Halved,

@@ -32,7 +32,7 @@ impl BundlePart {
     }
 }
 
-/// What is known of a part, for each ray.
+/// The kind of a part, for each ray.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum PartKind {
     /// The value is positive or undefined throughout.
