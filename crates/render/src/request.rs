@@ -17,7 +17,7 @@ use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
 use crate::style;
-pub use crate::style::Theme;
+use crate::style::Theme;
 use crate::texture::{Proportions, Texture};
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
