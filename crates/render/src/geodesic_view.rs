@@ -26,10 +26,8 @@ const USELESS: f64 = 100.0;
 /// The method by which the geodesics of a geodesic view are integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum PictureMethod {
-    /// The best method: the fan, on both backends.
+    /// Rays in f64 that all pixels share, interpolated by their Jacobi fields: the best method, on both backends.
     #[default]
-    Auto,
-    /// Rays in f64 that all pixels share, interpolated by their Jacobi fields.
     Fan,
     /// The fan, interpolated linearly between rays, for comparison.
     FanLinear,
@@ -43,7 +41,6 @@ impl PictureMethod {
     /// Returns its name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Auto => "auto",
             Self::Fan => "fan",
             Self::FanLinear => "fan-linear",
             Self::Rk4Pixel => "rk4-pixel",
@@ -54,7 +51,7 @@ impl PictureMethod {
     /// Returns the interpolation between rays that all pixels share; `None` if each pixel is followed separately.
     fn interpolation(self) -> Option<Interpolation> {
         match self {
-            Self::Auto | Self::Fan => Some(Interpolation::Hermite),
+            Self::Fan => Some(Interpolation::Hermite),
             Self::FanLinear => Some(Interpolation::Linear),
             Self::Rk4Pixel | Self::Adaptive => None,
         }

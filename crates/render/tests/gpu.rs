@@ -149,7 +149,6 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
     };
     for (request, expected) in [
         (Wanted::space([48, 48]), all),
-        (seen(PictureMethod::Auto), inside),
         (seen(PictureMethod::Fan), inside),
         (seen(PictureMethod::FanLinear), inside),
         (seen(PictureMethod::Adaptive), Built::default()),

@@ -268,11 +268,7 @@ const BACKENDS: [Choice<Backend>; 3] = [
 ];
 
 const METHODS: [Choice<PictureMethod>; 5] = [
-    Choice::new(
-        PictureMethod::Auto.name(),
-        "The best method: fan",
-        PictureMethod::Auto,
-    ),
+    Choice::new("auto", "The best method: fan", PictureMethod::Fan),
     Choice::new(
         PictureMethod::Fan.name(),
         "A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields",

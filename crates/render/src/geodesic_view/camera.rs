@@ -154,7 +154,7 @@ impl PlacedCamera {
             frame,
             zoom,
             uniforms,
-            method: PictureMethod::Auto,
+            method: PictureMethod::Fan,
             tolerance: TOLERANCE,
             size,
         })
@@ -232,7 +232,7 @@ impl PlacedCamera {
     /// fraction.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => (MapMethod::Fan, self.tolerance),
+            PictureMethod::Fan => (MapMethod::Fan, self.tolerance),
             PictureMethod::FanLinear => (MapMethod::FanLinear, self.tolerance),
             PictureMethod::Adaptive => (MapMethod::Adaptive, self.tolerance),
             PictureMethod::Rk4Pixel => (MapMethod::Rk4 { steps: RK4_STEPS }, self.tolerance),

@@ -73,7 +73,7 @@ impl PlacedSolidCamera {
                     solid,
                     object: camera.surface,
                     frame,
-                    method: PictureMethod::Auto,
+                    method: PictureMethod::Fan,
                     tolerance: TOLERANCE,
                     size,
                 });
@@ -103,7 +103,7 @@ impl PlacedSolidCamera {
             solid,
             object: camera.surface,
             frame,
-            method: PictureMethod::Auto,
+            method: PictureMethod::Fan,
             tolerance: TOLERANCE,
             size,
         })

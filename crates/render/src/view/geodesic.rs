@@ -60,7 +60,7 @@ impl From<GeodesicCamera> for GeodesicOptions {
     fn from(camera: GeodesicCamera) -> Self {
         Self {
             camera,
-            method: PictureMethod::Auto,
+            method: PictureMethod::Fan,
             mark_centre: true,
         }
     }

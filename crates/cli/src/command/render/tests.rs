@@ -202,7 +202,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         .into(),
         (_, true) => bench.views().first().options(None),
         _ => GeodesicOptions {
-            method: [PictureMethod::Auto, PictureMethod::Adaptive][random.below(2) as usize],
+            method: [PictureMethod::Fan, PictureMethod::Adaptive][random.below(2) as usize],
             mark_centre: random.often(),
             ..GeodesicOptions::new(surface)
         }
