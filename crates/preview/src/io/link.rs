@@ -1,7 +1,7 @@
 //! The connection to the editor. In: the server's commands, over standard input. Out: events, over standard output.
 //!
-//! Reading and writing each have a thread, so that the window waits for neither. The number of events that wait for a
-//! reader is bounded: of values and of shown texts only the latest is kept.
+//! Reading and writing each have a thread, so that the window waits for neither. Of the values and of the shown texts that
+//! wait for a reader, only the latest is kept; what the user requests is kept, one event for each request.
 
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
