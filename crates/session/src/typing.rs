@@ -40,9 +40,13 @@ pub fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
         let text = [&text[..selection.start], INDENT, &text[selection.end..]].concat();
         return (text, end..end);
     }
-    change_lines(text, selection, |line| match line.trim_end() {
-        "" => line.to_owned(),
-        _ => format!("{INDENT}{line}"),
+    change_lines(text, selection, |line| LineChange {
+        added: if line.trim_end().is_empty() {
+            ""
+        } else {
+            INDENT
+        },
+        ..LineChange::default()
     })
 }
 
@@ -50,46 +54,52 @@ pub fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
 pub fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     change_lines(text, selection, |line| {
         let blanks = line.bytes().take_while(|byte| *byte == b' ').count();
-        let rest = line.strip_prefix('\t');
-        rest.unwrap_or(&line[blanks.min(INDENT.len())..]).to_owned()
+        let tabs = usize::from(line.starts_with('\t'));
+        LineChange {
+            removed: blanks.min(INDENT.len()).max(tabs),
+            ..LineChange::default()
+        }
     })
 }
 
-/// Changes the starts of the lines that a selection touches. Returns the new text and selection.
-fn change_lines(
+/// A change of a line: `added` replaces `removed` bytes from a column.
+#[derive(Default)]
+struct LineChange<'a> {
+    column: usize,
+    removed: usize,
+    added: &'a str,
+}
+
+/// Changes the lines that a selection touches. Returns the new text and selection.
+fn change_lines<'a>(
     text: &str,
     selection: Range<usize>,
-    change: impl Fn(&str) -> String,
+    change: impl Fn(&str) -> LineChange<'a>,
 ) -> (String, Range<usize>) {
     let lines = lines_of(text, &selection);
     let mut result = text[..lines.start].to_owned();
     let mut moved = [selection.start, selection.end];
-    // Where the line begins in the text.
+    // The start of the line in the text.
     let mut from = lines.start;
     for (number, line) in text[lines.clone()].split('\n').enumerate() {
         if number > 0 {
             result.push('\n');
         }
-        let begin = result.len();
-        result.push_str(&change(line));
-        let end = result.len();
+        let change = change(line);
+        result.push_str(&line[..change.column]);
+        result.push_str(change.added);
+        result.push_str(&line[change.column + change.removed..]);
+        let changed = from + change.column;
         for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
-            // What stands in the beginning that is taken comes to stand at the begin.
-            if (from..=from + line.len()).contains(&old) {
-                *place = (end + old).saturating_sub(from + line.len()).max(begin);
+            // An end inside the removed bytes comes to stand at the column.
+            if old >= changed {
+                *place = *place + change.added.len() - change.removed.min(old - changed);
             }
         }
         from += line.len() + 1;
     }
-    let moved = match moved {
-        // The begin of the line behind the last one, of which nothing else is selected.
-        [start, _] if selection.end > lines.end => {
-            start..result.len() + (selection.end - lines.end)
-        }
-        [start, end] => start..end,
-    };
     result.push_str(&text[lines.end..]);
-    (result, moved)
+    (result, moved[0]..moved[1])
 }
 
 /// Returns the range of the lines that a selection touches, without the last line break.
@@ -105,50 +115,31 @@ fn lines_of(text: &str, selection: &Range<usize>) -> Range<usize> {
 
 /// Comments out the lines of a selection, or uncomments them. Returns the new text and selection.
 pub fn toggle_comment(text: &str, selection: Range<usize>, mark: &str) -> (String, Range<usize>) {
-    let Range { start: first, end } = lines_of(text, &selection);
-    let lines: Vec<&str> = text[first..end].split('\n').collect();
-    let is_blank = |line: &&str| line.trim().is_empty();
-    let is_comment = |line: &&str| line.trim_start().starts_with(mark);
-    let removes =
-        lines.iter().all(|line| is_blank(line) || is_comment(line)) && !lines.iter().all(is_blank);
-    let mut result = text[..first].to_owned();
-    let mut moved = [selection.start, selection.end];
-    // The start of the line in the text.
-    let mut from = first;
-    for (number, line) in lines.iter().enumerate() {
-        if number > 0 {
-            result.push('\n');
-        }
-        let indent = line.len() - line.trim_start().len();
-        let begin = result.len();
+    let is_blank = |line: &str| line.trim().is_empty();
+    let is_comment = |line: &str| line.trim_start().starts_with(mark);
+    let lines = || text[lines_of(text, &selection)].split('\n');
+    let removes = lines().all(|line| is_blank(line) || is_comment(line)) && !lines().all(is_blank);
+    let has_several = lines().nth(1).is_some();
+    let comment = format!("{mark} ");
+    change_lines(text, selection.clone(), |line| {
+        let column = line.len() - line.trim_start().len();
         if removes && is_comment(line) {
-            let rest = &line[indent + mark.len()..];
-            let kept = rest.strip_prefix(' ').unwrap_or(rest);
-            result.push_str(&line[..indent]);
-            result.push_str(kept);
-            let gone = line.len() - indent - kept.len();
-            for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
-                if old >= from + indent {
-                    *place -= gone.min(old - from - indent);
-                }
+            let has_space = line[column..].starts_with(&comment);
+            LineChange {
+                column,
+                removed: mark.len() + usize::from(has_space),
+                added: "",
             }
-        } else if removes || (is_blank(line) && lines.len() > 1) {
-            result.push_str(line);
+        } else if removes || (is_blank(line) && has_several) {
+            LineChange::default()
         } else {
-            result.push_str(&line[..indent]);
-            result.push_str(mark);
-            result.push(' ');
-            result.push_str(&line[indent..]);
-            for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
-                if old >= from + indent {
-                    *place += result.len() - begin - line.len();
-                }
+            LineChange {
+                column,
+                removed: 0,
+                added: &comment,
             }
         }
-        from += line.len() + 1;
-    }
-    result.push_str(&text[end..]);
-    (result, moved[0]..moved[1])
+    })
 }
 
 /// Returns the position of the bracket at a position, before or after it, and that of its partner. Brackets in
