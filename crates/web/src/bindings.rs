@@ -45,12 +45,18 @@ impl Core {
     }
 
     /// Answers a call by its name; its params and the answer are JSON.
+    ///
+    /// # Errors
+    /// A sentence: the params cannot be read, or the call fails.
     pub fn call(&mut self, name: &str, params: &str, now: f64) -> Result<String, String> {
         let answer = self.0.call(read_message(name, params)?, 1e-3 * now)?;
         Ok(answer.to_string())
     }
 
     /// Handles a notice by its name; its params are JSON.
+    ///
+    /// # Errors
+    /// A sentence: the params cannot be read.
     pub fn notice(&mut self, name: &str, params: &str, now: f64) -> Result<(), String> {
         self.0.notice(read_message(name, params)?, 1e-3 * now);
         Ok(())
@@ -77,11 +83,17 @@ impl Core {
     }
 
     /// Adds an image. Returns its size as JSON.
+    ///
+    /// # Errors
+    /// A sentence: the bytes are no image that can be read.
     pub fn texture(&mut self, name: &str, bytes: &[u8]) -> Result<String, String> {
         Ok(self.0.texture(name, bytes)?.to_string())
     }
 
     /// Returns the picture of a view at rest, as a PNG file.
+    ///
+    /// # Errors
+    /// A sentence: there is no such view, or it cannot be drawn.
     #[wasm_bindgen(js_name = savePicture)]
     pub fn save_picture(
         &mut self,
@@ -93,6 +105,9 @@ impl Core {
     }
 
     /// Returns the objects that are not hidden, as a file of a format.
+    ///
+    /// # Errors
+    /// A sentence: there is no such format, or nothing that it can hold.
     #[wasm_bindgen(js_name = saveMesh)]
     pub fn save_mesh(&mut self, format: &str) -> Result<SavedFile, String> {
         self.0.save_mesh(format).map(SavedFile)

@@ -15,6 +15,9 @@ pub struct FunctionSignature {
 }
 
 /// Checks that `written` contains every function of the contract, each with the contract's signature.
+///
+/// # Errors
+/// [`InternalError`] if a function is missing or has another signature.
 pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), InternalError> {
     let present = signatures(written.text);
     for wanted in signatures(contract.text) {
@@ -44,6 +47,9 @@ pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), Internal
 }
 
 /// Checks that a generated text contains exactly the functions of some contracts.
+///
+/// # Errors
+/// [`InternalError`] if a function is missing, has another signature, or is in no contract.
 pub fn is_exactly(generated: &Piece<'_>, contracts: &[Piece<'_>]) -> Result<(), InternalError> {
     let mut wanted = Vec::new();
     for contract in contracts {

@@ -87,6 +87,9 @@ impl fmt::Display for InternalError {
 impl std::error::Error for InternalError {}
 
 /// Concatenates the pieces, each under a line that names its origin; parses and validates the whole.
+///
+/// # Errors
+/// [`InternalError`] with the joined text if naga rejects it.
 pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
     let mut source = String::new();
     for piece in pieces {

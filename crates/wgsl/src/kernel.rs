@@ -97,6 +97,10 @@ impl From<expr::graph::TooLarge> for GenerateError {
 }
 
 /// Samples of a point: instances → positions.
+///
+/// # Errors
+/// [`GenerateError::TooLarge`] if the expressions have too many operations, [`GenerateError::Internal`] if naga
+/// rejects the joined text.
 pub fn sample_point(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
     let functions = [Function::vector(
         "point_position(instance: u32) -> vec3f",
@@ -112,6 +116,10 @@ pub fn sample_point(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Gene
 }
 
 /// Samples of a vector: instances → origins and directions.
+///
+/// # Errors
+/// [`GenerateError::TooLarge`] if the expressions have too many operations, [`GenerateError::Internal`] if naga
+/// rejects the joined text.
 pub fn sample_vector(
     graph: &Graph,
     direction: [NodeId; 3],
@@ -131,6 +139,10 @@ pub fn sample_vector(
 }
 
 /// Samples of a curve: instances and `Variable(0)` → positions.
+///
+/// # Errors
+/// [`GenerateError::TooLarge`] if the expressions have too many operations, [`GenerateError::Internal`] if naga
+/// rejects the joined text.
 pub fn sample_curve(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
     let functions = [Function::vector(
         "curve_position(u: f32, instance: u32) -> vec3f",
@@ -146,6 +158,10 @@ pub fn sample_curve(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Gene
 }
 
 /// Samples of a surface: instances, `Variable(0)` and `Variable(1)` → positions and normals.
+///
+/// # Errors
+/// [`GenerateError::TooLarge`] if the expressions or their derivatives have too many operations, [`GenerateError::Internal`] if naga
+/// rejects the joined text.
 pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
     let (mut graph, roots) = graph.extract(&position);
     let du = graph.derivatives(&roots, Input::Variable(0))?;
@@ -170,6 +186,10 @@ pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Ge
 }
 
 /// Expressions over rows of inputs: for comparing a GPU's results with f64.
+///
+/// # Errors
+/// [`GenerateError::TooLarge`] if the expressions have too many operations, [`GenerateError::Internal`] if naga
+/// rejects the joined text.
 pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError> {
     let functions = [Function {
         header: "evaluate(row: u32)",
