@@ -21,32 +21,34 @@ use crate::progress::Progress;
 
 /// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
+
 /// The options of animations.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Animation")]
 #[group(skip)]
 pub(super) struct Arguments {
     /// Animate a param or a grid from one value to another, both included; may be given several times
-    #[arg(long, value_name = "NAME=FROM:TO", value_parser = argument::animated, allow_hyphen_values = true, help_heading = "Animation")]
+    #[arg(long, value_name = "NAME=FROM:TO", value_parser = argument::animated, allow_hyphen_values = true)]
     animate: Vec<Animated>,
     /// The distance that the geodesic camera walks along its X axis (backwards if negative), by parallel transport;
     /// in the 3D view with --show-camera. A single picture shows the end of the walk
-    #[arg(long, value_name = "LENGTH", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Animation")]
+    #[arg(long, value_name = "LENGTH", value_parser = argument::quantity, allow_hyphen_values = true)]
     walk: Option<Quantity>,
     /// Draw the path that has been walked, and its length
-    #[arg(long, requires = "walk", help_heading = "Animation")]
+    #[arg(long, requires = "walk")]
     trail: bool,
     /// Turn the camera of the 3D view once about the vertical line through its target
-    #[arg(long, help_heading = "Animation")]
+    #[arg(long)]
     turntable: bool,
     /// The course of the animation: `once`, to the end; `loop`: the frame after the last is the first;
     /// `back-and-forth` [default: once, loop with --turntable]
-    #[arg(long, value_name = "COURSE", value_parser = course, help_heading = "Animation")]
+    #[arg(long, value_name = "COURSE", value_parser = course)]
     course: Option<Course>,
     /// The number of frames [default: 60]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     frames: Option<u32>,
     /// Frames per second [default: 25]
-    #[arg(long, value_name = "RATE", value_parser = argument::rate, help_heading = "Animation")]
+    #[arg(long, value_name = "RATE", value_parser = argument::rate)]
     fps: Option<f64>,
 }
 

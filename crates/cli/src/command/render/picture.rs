@@ -84,7 +84,7 @@ fn paths(
         }
         Ok(Arc::new(Trail::through(manifold.surface(), id, places)).into())
     };
-    arguments.path.iter().map(path).collect()
+    arguments.overlays.path.iter().map(path).collect()
 }
 
 /// Returns the lines of the figures, measured on the surfaces of some params.
@@ -94,7 +94,7 @@ fn figures(
     params: &ParamValues,
 ) -> Result<Vec<Shared<Trail>>, Failure> {
     let mut trails = Vec::new();
-    for stated in &arguments.figure {
+    for stated in &arguments.overlays.figure {
         let (id, manifold) = manifold(&stated.surface, program, params)?;
         let radius = stated.radius.as_ref();
         let figure = Arc::new(Figure {
@@ -139,16 +139,16 @@ fn manifold(
 }
 
 fn overlays(arguments: &Arguments) -> Overlays {
-    let wavefronts = arguments.wavefronts;
+    let wavefronts = arguments.overlays.wavefronts;
     Overlays {
-        legend: arguments.legend,
+        legend: arguments.overlays.legend,
         wavefronts: wavefronts.map(|given| given.map_or(Spacing::Auto, Spacing::Every)),
-        conjugate_points: arguments.conjugate,
-        cut_locus: arguments.cut_locus,
-        error: arguments.error,
-        labels: arguments.labels,
-        axes: arguments.axes,
-        hidden_lines: arguments.hidden_lines,
+        conjugate_points: arguments.overlays.conjugate,
+        cut_locus: arguments.overlays.cut_locus,
+        error: arguments.overlays.error,
+        labels: arguments.overlays.labels,
+        axes: arguments.space.axes,
+        hidden_lines: arguments.space.hidden_lines,
     }
 }
 
@@ -195,38 +195,42 @@ fn view(
         }
         None => Ok(None),
     };
-    for (name, on) in &arguments.setting {
+    for (name, on) in &arguments.geodesic.setting {
         if !view.set(name, *on) {
             return Err(unknown_setting(name, views, &view));
         }
     }
     if let Some(options) = view.get_mut::<GeodesicOptions>() {
-        options.method = arguments.method.unwrap_or_default();
+        options.method = arguments.geodesic.method.unwrap_or_default();
     }
     if let Some(options) = view.get_mut::<TracedOptions>() {
-        options.samples = arguments.samples;
-        options.bounces = arguments.bounces;
-        options.look = arguments.look;
-        options.gamma = arguments.gamma;
+        options.samples = arguments.traced.samples;
+        options.bounces = arguments.traced.bounces;
+        options.look = arguments.traced.look;
+        options.gamma = arguments.traced.gamma;
         let usual = most_traced_operations(arguments.size(program.scene()));
-        options.max_operations = Some(arguments.max_operations.unwrap_or(usual));
+        options.max_operations = Some(arguments.traced.max_operations.unwrap_or(usual));
     }
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
-            eye: place("--eye", &arguments.eye)?,
-            target: place("--target", &arguments.target)?,
-            projection: match arguments.orthographic {
+            eye: place("--eye", &arguments.space.eye)?,
+            target: place("--target", &arguments.space.target)?,
+            projection: match arguments.space.orthographic {
                 true => Projection::Orthographic,
                 false => Projection::Perspective,
             },
         };
         let [r, g, b] = style::PAPER;
         let of_theme = (arguments.theme == Theme::Print).then_some([r, g, b, 255]);
-        space.background = arguments.background.or(of_theme);
-        let hidden = arguments.hide.iter().map(|name| program.objects(name));
+        space.background = arguments.space.background.or(of_theme);
+        let hidden = arguments
+            .space
+            .hide
+            .iter()
+            .map(|name| program.objects(name));
         space.hidden = hidden.collect::<Result<Vec<_>, _>>()?.concat();
     }
-    let shown = match (&arguments.show_camera, view.geodesic_camera()) {
+    let shown = match (&arguments.space.show_camera, view.geodesic_camera()) {
         (_, Some(own)) => Some(own.surface),
         (Some(name), None) if view.space().is_some() => Some(program.ground(Some(name))?.0),
         _ => None,
@@ -244,15 +248,15 @@ fn geodesic_camera(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<GeodesicCamera, Failure> {
-    let angle = arguments.angle.unwrap_or(0.0).to_radians();
+    let angle = arguments.geodesic.angle.unwrap_or(0.0).to_radians();
     let pose = match program.scene().get(surface) {
         Some(object) if object.shape.solid().is_some() => {
-            if arguments.mirrored {
+            if arguments.geodesic.mirrored {
                 return Err(Failure::usage(
                     "--mirrored: a solid is seen from outside, and has no other side",
                 ));
             }
-            let at = arguments.at.as_ref();
+            let at = arguments.geodesic.at.as_ref();
             let at = at.map(|at| program.place("--at", at, params, object));
             Pose::InSpace {
                 at: at.transpose()?.map(|at| program.scene().stated(at)),
@@ -260,12 +264,12 @@ fn geodesic_camera(
             }
         }
         Some(object) => {
-            let at = arguments.at.as_ref();
+            let at = arguments.geodesic.at.as_ref();
             let at = at.map(|at| program.place("--at", at, params, object));
             Pose::At {
                 at: at.transpose()?,
                 angle,
-                mirrored: arguments.mirrored,
+                mirrored: arguments.geodesic.mirrored,
             }
         }
         None => return Err(Failure::usage("there is no surface to see from inside")),
@@ -273,7 +277,7 @@ fn geodesic_camera(
     Ok(GeodesicCamera {
         surface,
         pose,
-        zoom: match &arguments.zoom {
+        zoom: match &arguments.geodesic.zoom {
             Some(zoom) => Some(program.number("--zoom", zoom, params)?),
             None => None,
         },
@@ -343,46 +347,49 @@ pub(super) fn idle_colours(arguments: &Arguments, request: &PictureRequest) -> V
 /// Notes on options that the chosen view does not use.
 pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
     let placed = [
-        ("--at", arguments.at.is_some()),
-        ("--angle", arguments.angle.is_some()),
-        ("--mirrored", arguments.mirrored),
-        ("--zoom", arguments.zoom.is_some()),
+        ("--at", arguments.geodesic.at.is_some()),
+        ("--angle", arguments.geodesic.angle.is_some()),
+        ("--mirrored", arguments.geodesic.mirrored),
+        ("--zoom", arguments.geodesic.zoom.is_some()),
     ];
     let around = [
-        ("--wavefronts", arguments.wavefronts.is_some()),
-        ("--conjugate", arguments.conjugate),
+        ("--wavefronts", arguments.overlays.wavefronts.is_some()),
+        ("--conjugate", arguments.overlays.conjugate),
     ];
     let inside = [
-        ("--method", arguments.method.is_some()),
-        ("--cut-locus", arguments.cut_locus),
-        ("--error", arguments.error),
+        ("--method", arguments.geodesic.method.is_some()),
+        ("--cut-locus", arguments.overlays.cut_locus),
+        ("--error", arguments.overlays.error),
     ];
     let space = [
-        ("--axes", arguments.axes),
-        ("--hidden-lines", arguments.hidden_lines),
-        ("--hide", !arguments.hide.is_empty()),
-        ("--background", arguments.background.is_some()),
-        ("--eye", arguments.eye.is_some()),
-        ("--target", arguments.target.is_some()),
-        ("--orthographic", arguments.orthographic),
-        ("--show-camera", arguments.show_camera.is_some()),
+        ("--axes", arguments.space.axes),
+        ("--hidden-lines", arguments.space.hidden_lines),
+        ("--hide", !arguments.space.hide.is_empty()),
+        ("--background", arguments.space.background.is_some()),
+        ("--eye", arguments.space.eye.is_some()),
+        ("--target", arguments.space.target.is_some()),
+        ("--orthographic", arguments.space.orthographic),
+        ("--show-camera", arguments.space.show_camera.is_some()),
     ];
     let traced = [
-        ("--samples", arguments.samples.is_some()),
-        ("--bounces", arguments.bounces.is_some()),
-        ("--look", arguments.look.is_some()),
-        ("--gamma", arguments.gamma.is_some()),
-        ("--max-operations", arguments.max_operations.is_some()),
+        ("--samples", arguments.traced.samples.is_some()),
+        ("--bounces", arguments.traced.bounces.is_some()),
+        ("--look", arguments.traced.look.is_some()),
+        ("--gamma", arguments.traced.gamma.is_some()),
+        (
+            "--max-operations",
+            arguments.traced.max_operations.is_some(),
+        ),
     ];
     // Lines are not drawn over rays, and rays part at the eye.
     let drawn = [
-        ("--axes", arguments.axes),
-        ("--hidden-lines", arguments.hidden_lines),
-        ("--legend", arguments.legend),
-        ("--figure", !arguments.figure.is_empty()),
-        ("--path", !arguments.path.is_empty()),
-        ("--show-camera", arguments.show_camera.is_some()),
-        ("--orthographic", arguments.orthographic),
+        ("--axes", arguments.space.axes),
+        ("--hidden-lines", arguments.space.hidden_lines),
+        ("--legend", arguments.overlays.legend),
+        ("--figure", !arguments.overlays.figure.is_empty()),
+        ("--path", !arguments.overlays.path.is_empty()),
+        ("--show-camera", arguments.space.show_camera.is_some()),
+        ("--orthographic", arguments.space.orthographic),
     ];
     let is_traced = view.get::<TracedOptions>().is_some();
     let beside = if is_traced {
@@ -391,7 +398,7 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         (&traced[..], "the traced view: add `--view traced`")
     };
     let geodesic = "the geodesic view: add `--view geodesic`";
-    let (idle, other) = match (view.geodesic_camera(), &arguments.show_camera) {
+    let (idle, other) = match (view.geodesic_camera(), &arguments.space.show_camera) {
         (Some(_), _) => (space.to_vec(), "the 3D view"),
         (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
         (_, Some(_)) => (inside.to_vec(), geodesic),
