@@ -25,6 +25,7 @@ use tracer::{PictureLook, Ray, gamma_encoded};
 use super::space::{self, SpaceView};
 use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::camera::Camera;
+use crate::counters::PixelCounters;
 use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
@@ -253,12 +254,65 @@ impl TracedContent {
             && (self.camera, self.size) == (other.camera, other.size)
             && (self.bounces, self.grid) == (other.bounces, other.grid)
     }
-}
 
-impl TracedContent {
+    /// Adds the missing samples in f64. Returns false if the picture has been abandoned.
+    ///
+    /// # Errors
+    /// [`RenderError::TooMuchWork`] if the first sample exceeds the limit.
+    fn add_in_f64(
+        &self,
+        sums: &mut LightSums,
+        missing: &MissingSamples<'_>,
+    ) -> Result<bool, RenderError> {
+        let exceeded = AtomicBool::new(false);
+        let is_done = self
+            .scene
+            .with_scenery(&self.camera, self.bounces, |scenery| {
+                missing.steps().all(|step| {
+                    let most = missing.max_operations.filter(|_| step.start == 0);
+                    let goes_on = |it: PictureProgress| {
+                        let is_too_much = most.is_some_and(|most| {
+                            let certain =
+                                it.expected.map_or(0, |work| work - work / EXPECTED_ABOVE);
+                            it.operations.max(certain) > most
+                        });
+                        exceeded.fetch_or(is_too_much, Ordering::Relaxed);
+                        missing.goes_on(&step, it.share) && !is_too_much
+                    };
+                    let count = step.len() as u32;
+                    sums.add(scenery, &self.camera, self.grid, count, threads(), &goes_on)
+                })
+            });
+        match missing.max_operations {
+            Some(most) if exceeded.into_inner() => Err(RenderError::TooMuchWork(most)),
+            _ => Ok(is_done),
+        }
+    }
+
+    /// Adds the missing samples on the GPU. Counts those that f32 could not decide. Returns false if the picture has been
+    /// abandoned.
+    fn add_on_gpu(
+        &self,
+        gpu: &mut GpuRenderer,
+        tables: &SceneTables,
+        sums: &mut LightSums,
+        missing: &MissingSamples<'_>,
+        counters: &PixelCounters,
+    ) -> Result<bool, RenderError> {
+        for step in missing.steps() {
+            let goes_on = |share| missing.goes_on(&step, share);
+            let count = step.len() as u32;
+            let Some(retraced) = self.add_step_on_gpu(gpu, tables, sums, count, &goes_on)? else {
+                return Ok(false);
+            };
+            counters.count_retraced(retraced);
+        }
+        Ok(true)
+    }
+
     /// Adds the next samples on the GPU, and in f64 those that f32 cannot decide. Returns the number of the latter; `None`
     /// if the picture has been abandoned.
-    fn add_by_gpu(
+    fn add_step_on_gpu(
         &self,
         gpu: &mut GpuRenderer,
         tables: &SceneTables,
@@ -303,19 +357,56 @@ impl TracedContent {
 /// The work expected from a part of the picture may be too high by one part in this number.
 const EXPECTED_ABOVE: u64 = 5;
 
-/// Returns the samples that are added at once: all, or one at a time if partial results may be needed; if the work is
-/// limited, first a single one.
-fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Item = Range<u32>> {
-    let mut start = 0;
-    std::iter::from_fn(move || {
-        let end = match is_partial || (is_measured && start == 0) {
-            true => missing.min(start + 1),
-            false => missing,
-        };
-        let step = start..end;
-        start = end;
-        (!step.is_empty()).then_some(step)
-    })
+/// The samples that a picture lacks.
+struct MissingSamples<'a> {
+    /// Their number for each pixel.
+    count: u32,
+    /// True if partial results may be needed: then they are added one at a time.
+    is_partial: bool,
+    /// The limit of operations of the first sample; it is then added alone.
+    max_operations: Option<u64>,
+    /// Receives the completed fraction; returns false to stop.
+    progress: &'a (dyn Fn(f32) -> bool + Sync),
+}
+
+impl MissingSamples<'_> {
+    /// Returns the samples that are added at once, step by step. The light of a pixel is added sample by sample: in one
+    /// step or in many, its sum has the same bits.
+    fn steps(&self) -> impl Iterator<Item = Range<u32>> {
+        let mut start = 0;
+        std::iter::from_fn(move || {
+            let is_measured = self.max_operations.is_some() && start == 0;
+            let end = match self.is_partial || is_measured {
+                true => self.count.min(start + 1),
+                false => self.count,
+            };
+            let step = start..end;
+            start = end;
+            (!step.is_empty()).then_some(step)
+        })
+    }
+
+    /// Reports the completed fraction of a step. Returns false to stop.
+    fn goes_on(&self, step: &Range<u32>, share: f32) -> bool {
+        let done = step.start as f32 + step.len() as f32 * share;
+        (self.progress)(done / self.count as f32)
+    }
+}
+
+/// Returns the tables of a scene if the GPU can trace it now.
+///
+/// # Errors
+/// A clause that says why it cannot.
+fn tables_for<'a>(
+    gpu: &mut GpuRenderer,
+    scene: &'a TracedScene,
+    is_single: bool,
+) -> Result<&'a SceneTables, String> {
+    let tables = scene.tables().map_err(str::to_owned)?;
+    match gpu.can_trace(&tables.functions, is_single)? {
+        true => Ok(tables),
+        false => Err("its shader is being built".to_owned()),
+    }
 }
 
 /// Returns the number of threads that follow rays.
@@ -350,75 +441,36 @@ impl ViewRenderer for TracedRenderer {
         let kept = self.sums.take();
         let kept = kept.filter(|(known, sums)| known.is(&content) && sums.samples() <= wanted);
         let (content, mut sums) = kept.unwrap_or_else(|| (content, LightSums::new(request.size)));
-        let missing = wanted - sums.samples();
+        let before = sums.samples();
         let interrupt = &shared.interrupt;
-        // The light of a pixel is added sample by sample: in one step or in many, its sum has the same bits.
-        let is_measured = options.max_operations.is_some() && sums.samples() == 0;
-        let mut steps = steps(missing, shared.keeps_partial, is_measured);
-        let goes_on = |step: &Range<u32>, share: f32| {
-            let done = step.start as f32 + step.len() as f32 * share;
-            progress(done / missing as f32);
-            // During motion, a newer picture follows anyway.
-            request.moving || !interrupt.is_wanted()
+        let missing = MissingSamples {
+            count: wanted - before,
+            is_partial: shared.keeps_partial,
+            max_operations: options.max_operations.filter(|_| before == 0),
+            progress: &|share| {
+                progress(share);
+                // During motion, a newer picture follows anyway.
+                request.moving || !interrupt.is_wanted()
+            },
         };
-        let exceeded = AtomicBool::new(false);
         let mut backend = shared.backend();
         let is_single = shared.is_single;
         let by_gpu = shared.gpu.as_deref_mut().and_then(|gpu| {
-            let ready = scene.tables().map_err(str::to_owned).and_then(|tables| {
-                let is_ready = gpu.can_trace(&tables.functions, is_single)?;
-                let waiting = || "its shader is being built".to_owned();
-                is_ready.then_some(tables).ok_or_else(waiting)
+            let tables = tables_for(gpu, &scene, is_single).map_err(|clause| {
+                let reason = Some(format!("because {clause}"));
+                backend = BackendUsed::Software { reason };
             });
-            match ready {
-                Ok(tables) => Some((gpu, tables)),
-                Err(clause) => {
-                    let reason = Some(format!("because {clause}"));
-                    backend = BackendUsed::Software { reason };
-                    None
-                }
-            }
+            Some((tables.ok()?, gpu))
         });
         let is_done = match by_gpu {
-            _ if missing == 0 => true,
-            Some((gpu, tables)) => loop {
-                let Some(step) = steps.next() else {
-                    break true;
-                };
-                let goes_on = |share| goes_on(&step, share);
-                let count = step.len() as u32;
-                let left = content.add_by_gpu(gpu, tables, &mut sums, count, &goes_on)?;
-                shared.pixels.count_retraced(left.unwrap_or(0));
-                if left.is_none() {
-                    break false;
-                }
-            },
-            None => scene.with_scenery(&camera, content.bounces, |scenery| {
-                steps.all(|step| {
-                    let most = options
-                        .max_operations
-                        .filter(|_| is_measured && step.start == 0);
-                    let goes_on = |it: PictureProgress| {
-                        let is_too_much = most.is_some_and(|most| {
-                            let certain =
-                                it.expected.map_or(0, |work| work - work / EXPECTED_ABOVE);
-                            it.operations.max(certain) > most
-                        });
-                        exceeded.fetch_or(is_too_much, Ordering::Relaxed);
-                        goes_on(&step, it.share) && !is_too_much
-                    };
-                    let count = step.len() as u32;
-                    sums.add(scenery, &camera, grid, count, threads(), &goes_on)
-                })
-            }),
+            _ if missing.count == 0 => true,
+            Some((tables, gpu)) => {
+                content.add_on_gpu(gpu, tables, &mut sums, &missing, &shared.pixels)?
+            }
+            None => content.add_in_f64(&mut sums, &missing)?,
         };
-        if exceeded.into_inner() {
-            return Err(RenderError::TooMuchWork(
-                options.max_operations.unwrap_or_default(),
-            ));
-        }
         let done = sums.samples();
-        let added = done - (wanted - missing);
+        let added = done - before;
         let pixels = u64::from(request.size[0]) * u64::from(request.size[1]);
         shared.pixels.count_traced(u64::from(added) * pixels);
         let mut image = picture(request.size, &sums, &settings);
