@@ -129,21 +129,10 @@ pub(crate) fn draw_with_depths(
     for (band, (pixels, depths)) in bands.zip(depths.chunks_mut(band_rows * width)).enumerate() {
         let top = band * band_rows;
         let size = [across, (depths.len() / width).div_ceil(TILE)];
-        let tile = |k: usize| {
-            let origin = [k % across * TILE, top + k / across * TILE];
-            let mut tile = Tile::new(origin, background);
-            if let Some(solids) = solids.and_then(|solids| solids.tile(origin)) {
-                tile.begin(&solids);
-            }
-            tile
-        };
-        let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
+        let mut tiles = tiles(size, top, background, solids);
         for batch in &batches {
-            let made = jobs[batch.clone()].par_iter();
-            let made: Vec<Mesh> = made
-                .flat_map_iter(|job| meshes(&eye, objects, job))
-                .collect();
-            Batch::new(&eye, &materials, &made, size, top).draw(&mut tiles);
+            let meshes = batch_meshes(&eye, objects, &jobs[batch.clone()]);
+            Batch::new(&eye, &materials, &meshes, size, top).draw(&mut tiles);
         }
         let rows = pixels.par_chunks_mut(4 * width);
         let rows = rows.zip(depths.par_chunks_mut(width)).enumerate();
@@ -160,6 +149,31 @@ pub(crate) fn draw_with_depths(
     }
     let size = camera.size;
     (image, DepthMap { size, depths })
+}
+
+/// Returns the tiles of a band whose first row of pixels is `top`, with the background and the solids.
+fn tiles(
+    [across, down]: [usize; 2],
+    top: usize,
+    background: [f32; 4],
+    solids: Option<&SolidPainter<'_>>,
+) -> Vec<Tile> {
+    let tile = |k: usize| {
+        let origin = [k % across * TILE, top + k / across * TILE];
+        let mut tile = Tile::new(origin, background);
+        if let Some(solids) = solids.and_then(|solids| solids.tile(origin)) {
+            tile.begin(&solids);
+        }
+        tile
+    };
+    (0..across * down).into_par_iter().map(tile).collect()
+}
+
+/// Returns the meshes of a batch of jobs.
+fn batch_meshes(eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<Mesh> {
+    let jobs = jobs.par_iter();
+    jobs.flat_map_iter(|job| meshes(eye, objects, job))
+        .collect()
 }
 
 /// Returns the materials of objects, two for each colour; the second one is that of arrowheads.
@@ -209,14 +223,8 @@ pub(crate) fn draw_beside(
     let across = width.div_ceil(TILE);
     let band_rows = (BAND / (across * TILE) / TILE).max(1) * TILE;
     let bands = height.div_ceil(band_rows);
-    let made = |batch: &std::ops::Range<usize>| -> Vec<Mesh> {
-        jobs[batch.clone()]
-            .par_iter()
-            .flat_map_iter(|job| meshes(&eye, objects, job))
-            .collect()
-    };
     // If everything fits into one batch, it is transformed only once, whatever the number of bands.
-    let whole = (batches.len() < 2).then(|| batches.first().map_or_else(Vec::new, made));
+    let whole = (batches.len() < 2).then(|| batch_meshes(&eye, objects, &jobs));
     for (band, pixels) in image.chunks_mut(band_rows * width * 4).enumerate() {
         let top = band * band_rows;
         let rows = pixels.len() / (4 * width);
@@ -239,17 +247,9 @@ pub(crate) fn draw_beside(
             progress((band + 1) as f32 / bands as f32);
             continue;
         }
-        let tile = |k: usize| {
-            let origin = [k % across * TILE, top + k / across * TILE];
-            let mut tile = Tile::new(origin, background);
-            if let Some(solids) = solids.and_then(|solids| solids.tile(origin)) {
-                tile.begin(&solids);
-            }
-            tile
-        };
-        let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
+        let mut tiles = tiles(size, top, background, solids);
         for (number, batch) in batches.iter().enumerate() {
-            let meshes = made(batch);
+            let meshes = batch_meshes(&eye, objects, &jobs[batch.clone()]);
             Batch::new(&eye, &materials, &meshes, size, top).draw(&mut tiles);
             progress((band * batches.len() + number + 1) as f32 / (bands * batches.len()) as f32);
         }
