@@ -3,7 +3,7 @@
 //! Reading and writing each have a thread, so that the window waits for neither. Of the values and of the shown texts that
 //! wait for a reader, only the latest is kept; what the user requests is kept, one event for each request.
 
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -120,6 +120,89 @@ fn write(queue: &LatestQueue<EventKind, Event>, mut output: impl Write) {
     }
 }
 
+/// The text of the server's document, as the window follows it.
+#[derive(Default)]
+struct FollowedText {
+    /// The URI of the document, and its path if it has one.
+    document: Option<(String, Option<String>)>,
+    /// The path, or the URI of a text without a file, which ends with its extension.
+    place: PathBuf,
+    follower: Follower,
+    /// The version of the text.
+    version: Option<i32>,
+    text: Arc<str>,
+}
+
+impl FollowedText {
+    /// Takes a whole text. Returns true if it is of another document than the one before.
+    fn replace(
+        &mut self,
+        document: (String, Option<String>),
+        version: i32,
+        text: Arc<str>,
+    ) -> bool {
+        self.follower.text(version);
+        self.text = text;
+        self.version = Some(version);
+        let is_other = self.document.as_ref() != Some(&document);
+        if is_other {
+            self.place = PathBuf::from(document.1.as_ref().unwrap_or(&document.0));
+            self.document = Some(document);
+        }
+        is_other
+    }
+
+    /// Applies an edit, unless the text that it applies to is missing. Returns true if it has been applied.
+    fn edit(&mut self, version: i32, base: i32, changes: &Changes, outbox: &Outbox) -> bool {
+        let edited = match self.follower.edit(version, base) {
+            Ok(()) => changes.apply(&self.text),
+            Err(Gap { ask: false }) => return false,
+            Err(Gap { ask: true }) => None,
+        };
+        let Some(edited) = edited else {
+            self.follower.wait();
+            outbox.say(Event::TextWanted);
+            return false;
+        };
+        self.text = edited.into();
+        self.version = Some(version);
+        true
+    }
+}
+
+/// Reads the next command. A line that is not a message is skipped.
+fn next_command(
+    reader: &mut line::Reader<impl BufRead, Command>,
+) -> Result<Command, DisconnectReason> {
+    loop {
+        match reader.read() {
+            Ok(Some(command)) => return Ok(command),
+            Ok(None) => return Err(DisconnectReason::Gone(None)),
+            Err(ReadError::Stream(error)) => {
+                return Err(DisconnectReason::Gone(Some(error.to_string())));
+            }
+            Err(_) => {}
+        }
+    }
+}
+
+/// Reads the greeting, and reports one that does not fit.
+fn read_greeting(
+    reader: &mut line::Reader<impl BufRead, Command>,
+    outbox: &Outbox,
+) -> Result<(), DisconnectReason> {
+    handshake::check(&next_command(reader)?).map_err(|error| {
+        let text = error.to_string();
+        outbox.say(Event::Message {
+            error: true,
+            text: text.clone(),
+        });
+        DisconnectReason::Refused(text)
+    })
+}
+
+/// Passes commands on until the server sends nothing more. Texts are compiled without waiting for the window, which
+/// only receives the command of another document.
 fn read(
     events: &EventSender<LinkEvent>,
     compile: impl Fn(&Path, i32, Arc<str>, Option<Changes>),
@@ -127,100 +210,48 @@ fn read(
     outbox: &Outbox,
 ) {
     let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
-    let mut greeted = false;
-    let mut document = None;
-    let mut place = PathBuf::new();
-    let mut follower = Follower::default();
-    let mut last: Option<i32> = None;
-    let mut text_now: Arc<str> = Arc::default();
-    loop {
-        let command = match reader.read() {
-            Ok(Some(command)) => command,
-            Ok(None) => {
-                events.send(LinkEvent::Disconnected(DisconnectReason::Gone(None)));
-                return;
+    let mut followed = FollowedText::default();
+    let mut next = read_greeting(&mut reader, outbox).and_then(|()| next_command(&mut reader));
+    while let Ok(command) = next {
+        let is_received = match &command {
+            Command::Text {
+                uri,
+                path,
+                version,
+                text,
+            } => {
+                let (version, text) = (*version, Arc::clone(text));
+                let document = (uri.clone(), path.clone());
+                let is_other = followed.replace(document, version, Arc::clone(&text));
+                let is_received = !is_other || events.send(LinkEvent::Command(command));
+                if is_received {
+                    compile(&followed.place, version, text, None);
+                }
+                is_received
             }
-            Err(ReadError::Stream(error)) => {
-                events.send(LinkEvent::Disconnected(DisconnectReason::Gone(Some(
-                    error.to_string(),
-                ))));
-                return;
+            Command::Edit {
+                version,
+                base,
+                changes,
+            } => {
+                if followed.edit(*version, *base, changes, outbox) {
+                    let text = Arc::clone(&followed.text);
+                    compile(&followed.place, *version, text, Some(changes.clone()));
+                }
+                true
             }
-            // A line that is not a message is skipped.
-            Err(_) => continue,
+            Command::Show { view } => events.send(LinkEvent::Show {
+                view: view.clone(),
+                version: followed.version,
+            }),
+            _ => events.send(LinkEvent::Command(command)),
         };
-        if !greeted {
-            if let Err(error) = handshake::check(&command) {
-                let text = error.to_string();
-                let error = true;
-                outbox.say(Event::Message {
-                    error,
-                    text: text.clone(),
-                });
-                events.send(LinkEvent::Disconnected(DisconnectReason::Refused(text)));
-                return;
-            }
-            greeted = true;
-            continue;
-        }
-        if let Command::Text {
-            uri,
-            path,
-            version,
-            text,
-        } = &command
-        {
-            // Compiled without waiting for the window, which is only told of a change of document.
-            let (version, text) = (*version, text.clone());
-            // The name of a text without a file ends with its extension.
-            place = PathBuf::from(path.as_ref().unwrap_or(uri));
-            let same = document.as_ref() == Some(&(uri.clone(), path.clone()));
-            if !same {
-                document = Some((uri.clone(), path.clone()));
-                if !events.send(LinkEvent::Command(command)) {
-                    return;
-                }
-            }
-            follower.text(version);
-            text_now = Arc::clone(&text);
-            compile(&place, version, text, None);
-            last = Some(version);
-            continue;
-        }
-        if let Command::Edit {
-            version,
-            base,
-            changes,
-        } = &command
-        {
-            let edited = match follower.edit(*version, *base) {
-                Ok(()) => changes.apply(&text_now),
-                Err(Gap { ask: false }) => continue,
-                Err(Gap { ask: true }) => None,
-            };
-            match edited {
-                Some(edited) => {
-                    text_now = edited.into();
-                    let text = Arc::clone(&text_now);
-                    compile(&place, *version, text, Some(changes.clone()));
-                    last = Some(*version);
-                }
-                None => {
-                    follower.wait();
-                    outbox.say(Event::TextWanted);
-                }
-            }
-            continue;
-        }
-        let event = match command {
-            Command::Show { view } => LinkEvent::Show {
-                view,
-                version: last,
-            },
-            command => LinkEvent::Command(command),
-        };
-        if !events.send(event) {
+        if !is_received {
             return;
         }
+        next = next_command(&mut reader);
+    }
+    if let Err(reason) = next {
+        events.send(LinkEvent::Disconnected(reason));
     }
 }
