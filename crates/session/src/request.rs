@@ -2,29 +2,40 @@
 //! again only if its request has changed.
 
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
+use render::request::part::SpaceOptions;
 use render::request::{Overlays, Spacing};
 use render::shared::Shared;
 use render::style::Theme;
+use render::trail::Trail;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
-use scene::{Object, ObjectId};
+use scene::{Object, ObjectId, Scene};
 
 use crate::model::Emphasis;
 use crate::textures::{ImageSource, Library};
 use crate::{Choice, Marks, Model};
 
-/// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to see. `active` is
-/// the surface whose geodesic camera the views in space show. While the view is `moving`, a picture at once is worth more
-/// than a fine one.
+/// A pane for which a picture is requested.
+#[derive(Clone, Copy, Debug)]
+pub struct PaneRequest<'a> {
+    /// The view that it shows.
+    pub id: &'a ViewId,
+    /// The picture's width and height in pixels.
+    pub size: [u32; 2],
+    /// The surface whose geodesic camera the views in space show.
+    pub active: Option<&'a str>,
+    /// True while the view moves: a picture at once is then worth more than a fine one.
+    pub moving: bool,
+}
+
+/// Returns the request for the picture of a pane; nothing if there is nothing to see.
 pub fn picture_request(
     model: &mut Model,
     library: &mut Library<impl ImageSource>,
     views: &Views,
-    id: &ViewId,
-    size: [u32; 2],
-    active: Option<&str>,
-    moving: bool,
+    pane: PaneRequest<'_>,
 ) -> Option<PictureRequest> {
+    let id = pane.id;
     let scene = model.scene.clone()?;
     let other = views.instead_of(&id.kind);
     let other = other.filter(|_| id.object.is_none() && model.view.preferences.traced);
@@ -39,7 +50,8 @@ pub fn picture_request(
     // The surface of the view's own camera, or else the one whose camera it shows.
     let own = id.object.as_deref();
     let own = own.filter(|_| view.geodesic_camera().is_some());
-    let shown = active.filter(|_| marks.cameras && view.space().is_some());
+    let shown = pane.active;
+    let shown = shown.filter(|_| marks.cameras && view.space().is_some());
     // If no camera can be on the surface, the renderer says why.
     if let Some(name) = own.or(shown)
         && let Some(camera) = model.settle_camera(name, own.is_some())
@@ -49,43 +61,71 @@ pub fn picture_request(
     }
     let mut hidden = Vec::new();
     if let Some(space) = view.space_mut() {
-        let camera = model.view.space;
-        let camera = camera.filter(|_| !model.follows_declared_camera());
-        space.declared = model.declared_camera().map(|camera| camera.name.clone());
-        let [r, g, b] = model.background();
-        space.camera = Viewpoint {
-            eye: camera.map(|it| it.eye.into()),
-            target: camera.map(|it| it.target.into()),
-            projection: match model.view.preferences.orthographic {
-                true => Projection::Orthographic,
-                false => Projection::Perspective,
-            },
-        };
-        space.background = Some([r, g, b, 255]);
-        let highlighted = model.highlighted.as_deref();
-        let highlighted = highlighted.filter(|_| model.emphasis != Emphasis::Off);
-        let highlighted = highlighted.and_then(|name| scene.object(name));
-        space.highlight = highlighted.map(|(id, _)| id);
         hidden = model.hidden();
         space.hidden.clone_from(&hidden);
+        show_space(model, &scene, space);
     }
+    let is_in_space = view.space().is_some();
+    let mut request = PictureRequest::new(&scene, model.settings()?, view, pane.size);
+    request.trails = trails(model, &scene, &marks, own, is_in_space);
+    request.images = library.named(&scene);
+    request.moving = pane.moving;
+    request.overlays = overlays(&marks);
+    request.colours = colours(model, own.is_none());
+    request.colours.retain(|(id, _)| !hidden.contains(id));
+    add_textures(&mut request, model, library, &hidden);
+    Some(request)
+}
+
+/// Sets the camera, the background and the highlighted object of a view in space.
+fn show_space(model: &Model, scene: &Scene, space: &mut SpaceOptions) {
+    let camera = model.view.space;
+    let camera = camera.filter(|_| !model.follows_declared_camera());
+    space.declared = model.declared_camera().map(|camera| camera.name.clone());
+    let [r, g, b] = model.background();
+    space.camera = Viewpoint {
+        eye: camera.map(|it| it.eye.into()),
+        target: camera.map(|it| it.target.into()),
+        projection: match model.view.preferences.orthographic {
+            true => Projection::Orthographic,
+            false => Projection::Perspective,
+        },
+    };
+    space.background = Some([r, g, b, 255]);
+    let highlighted = model.highlighted.as_deref();
+    let highlighted = highlighted.filter(|_| model.emphasis != Emphasis::Off);
+    let highlighted = highlighted.and_then(|name| scene.object(name));
+    space.highlight = highlighted.map(|(id, _)| id);
+}
+
+/// Returns the paths and figures that a view shows: those on its own surface, or in space those on all surfaces.
+fn trails(
+    model: &Model,
+    scene: &Scene,
+    marks: &Marks,
+    own: Option<&str>,
+    is_in_space: bool,
+) -> Vec<Shared<Trail>> {
     let has_trail = |name: &str| match own {
         Some(own) => own == name,
-        None => view.space().is_some() && scene.object(name).is_some(),
+        None => is_in_space && scene.object(name).is_some(),
     };
     let paths = model.paths.iter();
     let paths = paths.filter(|(name, _)| marks.trail && has_trail(name));
     let walked = paths.map(|(_, path)| &path.trail);
     let measured = model.measured.iter().filter(|(name, _)| has_trail(name));
     let measured = measured.flat_map(|(_, lines)| lines);
-    let trails = walked.chain(measured).map(Shared::from).collect();
-    let mut request = PictureRequest::new(&scene, model.settings()?, view, size);
-    request.trails = trails;
-    request.images = library.named(&scene);
-    request.moving = moving;
-    request.overlays = overlays(&marks);
-    request.colours = colours(model, own.is_none());
-    request.colours.retain(|(id, _)| !hidden.contains(id));
+    walked.chain(measured).map(Shared::from).collect()
+}
+
+/// Adds the textures that are chosen for the surfaces that are not hidden.
+fn add_textures(
+    request: &mut PictureRequest,
+    model: &Model,
+    library: &mut Library<impl ImageSource>,
+    hidden: &[ObjectId],
+) {
+    let scene = request.scene.clone();
     for (id, object) in scene.numbered().filter(|(id, _)| !hidden.contains(id)) {
         if object.shape.manifold().is_some() {
             if model.view.look(&object.name).flipped {
@@ -102,7 +142,6 @@ pub fn picture_request(
             }
         }
     }
-    Some(request)
 }
 
 /// The fraction of its brightness that an object keeps while it is out of date.

@@ -10,7 +10,7 @@ use render::{PictureRequest, ViewId, Views};
 use scene::Scene;
 use session::figures;
 use session::measuring::PlacedFigure;
-use session::request::{at_rest, picture_request};
+use session::request::{PaneRequest, at_rest, picture_request};
 use session::textures::ImageState;
 use session::view::Theme;
 use session::{Choice, Model};
@@ -47,8 +47,13 @@ pub fn remembered(
     }
     // The surface whose camera a newly opened window shows.
     let active = model.surfaces().into_iter().next();
-    let active = active.as_deref();
-    let request = picture_request(&mut model, &mut library, views, id, size, active, false);
+    let pane = PaneRequest {
+        id,
+        size,
+        active: active.as_deref(),
+        moving: false,
+    };
+    let request = picture_request(&mut model, &mut library, views, pane);
     let mut request = request.ok_or_else(|| format!("there is no view `{id}`"))?;
     request.trails = trails(&mut model, id, &drawn);
     Ok(at_rest(request, &model, size))

@@ -10,7 +10,7 @@ use render::viewpoint::Viewpoint;
 use render::{PictureRequest, ViewId};
 use session::camera_input::{CameraKind, geodesic, space};
 use session::refinement::{self, PictureDetail, TracedPane};
-use session::request::{differ_by_refinement, picture_request};
+use session::request::{PaneRequest, differ_by_refinement, picture_request};
 
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
@@ -273,9 +273,13 @@ impl Core {
         moving: bool,
     ) -> Option<PictureRequest> {
         let surface = self.active_surface();
-        let (model, library) = (&mut self.model, &mut self.library);
-        let surface = surface.as_deref();
-        picture_request(model, library, &self.views, id, size, surface, moving)
+        let pane = PaneRequest {
+            id,
+            size,
+            active: surface.as_deref(),
+            moving,
+        };
+        picture_request(&mut self.model, &mut self.library, &self.views, pane)
     }
 
     /// Returns the surface whose camera the views in space show: that of the last geodesic view with the focus, or else

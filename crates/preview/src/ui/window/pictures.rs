@@ -8,7 +8,7 @@ use render::rendered::RenderedImage;
 use render::viewpoint::Viewpoint;
 use render::{PictureRequest, Renderer, ViewId};
 use session::refinement::{self, TracedPane};
-use session::request::{at_rest, picture_request};
+use session::request::{PaneRequest, at_rest, picture_request};
 use session::{Model, Preferences, SpaceCamera};
 
 use super::Window;
@@ -188,9 +188,14 @@ impl Window {
         moving: bool,
     ) -> Option<PictureRequest> {
         let active = self.focus.surface.clone();
-        let (model, library, views) = (&mut self.model, &mut self.pictures.library, &self.views);
-        let active = active.as_deref();
-        picture_request(model, library, views, pane, size, active, moving)
+        let pane = PaneRequest {
+            id: pane,
+            size,
+            active: active.as_deref(),
+            moving,
+        };
+        let library = &mut self.pictures.library;
+        picture_request(&mut self.model, library, &self.views, pane)
     }
 
     /// Returns the next request for a pane's traced picture: see [`TracedPane::next`].
