@@ -62,7 +62,7 @@ impl Session {
             &format!(r#"{{"processId":null,"rootUri":null,"capabilities":{capabilities}}}"#),
         )?;
         let time = start.elapsed();
-        session.tell("initialized", "{}")?;
+        session.notify("initialized", "{}")?;
         Ok((session, time))
     }
 
@@ -71,7 +71,7 @@ impl Session {
         self.input.flush()
     }
 
-    pub(crate) fn tell(&mut self, method: &str, params: &str) -> std::io::Result<()> {
+    pub(crate) fn notify(&mut self, method: &str, params: &str) -> std::io::Result<()> {
         self.send(&format!(
             r#"{{"jsonrpc":"2.0","method":"{method}","params":{params}}}"#
         ))
@@ -132,7 +132,7 @@ impl Session {
             r#"{{"uri":"{uri}","languageId":"{language}","version":{},"text":"{text}"}}"#,
             self.version
         );
-        self.tell(
+        self.notify(
             "textDocument/didOpen",
             &format!(r#"{{"textDocument":{document}}}"#),
         )?;
@@ -152,7 +152,7 @@ impl Session {
         let change = format!(r#"{{"range":{{"start":{start},"end":{end}}},"text":"{text}"}}"#);
         let uri = self.uri;
         let document = format!(r#"{{"uri":"{uri}","version":{}}}"#, self.version);
-        self.tell(
+        self.notify(
             "textDocument/didChange",
             &format!(r#"{{"textDocument":{document},"contentChanges":[{change}]}}"#),
         )
@@ -202,7 +202,7 @@ impl Session {
 
     pub(crate) fn quit(mut self) -> std::io::Result<()> {
         self.ask("shutdown", "null")?;
-        self.tell("exit", "null")?;
+        self.notify("exit", "null")?;
         self.child.wait().map(|_| ())
     }
 }

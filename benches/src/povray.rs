@@ -289,11 +289,16 @@ camera {{ perspective location {} direction {} right {} up {}{lens} }}
         .args([format!("+W{}", SIZE[0]), format!("+H{}", SIZE[1])])
         .output()
         .map_err(system)?;
-    let said = String::from_utf8_lossy(&output.stderr);
+    let printed = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        return Err(said.lines().rev().take(12).collect::<Vec<_>>().join("\n"));
+        return Err(printed
+            .lines()
+            .rev()
+            .take(12)
+            .collect::<Vec<_>>()
+            .join("\n"));
     }
-    let times = said.split("Trace Time:").nth(1);
+    let times = printed.split("Trace Time:").nth(1);
     let seconds = times
         .and_then(|text| text.split("with").nth(1))
         .and_then(|text| text.split_whitespace().next())

@@ -1,9 +1,9 @@
 //! The preview as an editor meets it: the binary as language server, and the window that it starts.
 //!
-//! A time is that from the moment before an edit is written to the server to the moment after it has told that the
+//! A time is that from the moment before an edit is written to the server to the moment after it has reported that the
 //! window shows the pictures of that text: three processes, their pipes and whatever else the machine does are part of
 //! it. The window's own share, from reading the text on, is printed beside it, and what a frame of the window takes to be
-//! laid out and handed to the driver: that of the pictures is still before it when it is told.
+//! laid out and handed to the driver: that of the pictures is still before it when it is reported.
 
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,7 @@ const HOVERS: usize = 200;
 const MANY: [usize; 6] = [10, 100, 1_000, 2_000, 5_000, MOST];
 /// Edits in all.
 const MOST: usize = 10_000;
-/// An editor that wants to hear of each picture.
+/// An editor that asks for a report of each picture.
 const CAPABILITIES: &str = r#"{"experimental":{"geotrace":{"shown":true}}}"#;
 
 const TORUS: &str = "\
@@ -78,13 +78,15 @@ fn shown(session: &mut Session) -> std::io::Result<[f64; 2]> {
     let version = format!("\"version\":{},", session.version());
     let other = format!("\"version\":{}}}", session.version());
     loop {
-        let told = session.wait(&["\"method\":"])?;
-        if told.contains("window/showMessage") {
-            return Err(std::io::Error::other(told));
+        let message = session.wait(&["\"method\":"])?;
+        if message.contains("window/showMessage") {
+            return Err(std::io::Error::other(message));
         }
-        if told.contains("geotrace/shown") && (told.contains(&version) || told.contains(&other)) {
+        if message.contains("geotrace/shown")
+            && (message.contains(&version) || message.contains(&other))
+        {
             return Ok(["\"milliseconds\":", "\"painting\":"].map(|key| {
-                let rest = told.split(key).nth(1);
+                let rest = message.split(key).nth(1);
                 let digits = rest.and_then(|rest| rest.split([',', '}']).next());
                 digits.and_then(|d| d.parse().ok()).unwrap_or(f64::NAN)
             }));

@@ -1,6 +1,6 @@
 //! An editor without a window: speaks the language server protocol to a server in this process or to the binary.
 //!
-//! Everything that is said is recorded. Where `GEOTRACE_TRANSCRIPTS` names a folder, each conversation is left there as
+//! Every message is recorded. Where `GEOTRACE_TRANSCRIPTS` names a folder, each conversation is left there as
 //! JSON lines for `tests/protocol/validate.mjs`, which checks it against the protocol's own types.
 
 use std::collections::VecDeque;
@@ -138,7 +138,7 @@ impl Editor {
     /// Shakes hands with these params; the server's answer.
     pub async fn initialize_with(&mut self, params: Value) -> Value {
         let answer = self.ask("initialize", params).await;
-        self.tell("initialized", json!({})).await;
+        self.notify("initialized", json!({})).await;
         answer
     }
 
@@ -168,7 +168,7 @@ impl Editor {
     }
 
     /// Sends a notification.
-    pub async fn tell(&mut self, method: &str, params: Value) {
+    pub async fn notify(&mut self, method: &str, params: Value) {
         self.send(json!({ "jsonrpc": "2.0", "method": method, "params": params }))
             .await;
     }
@@ -263,7 +263,7 @@ impl Editor {
     /// Opens a document, at version 1.
     pub async fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "geotrace", "version": 1, "text": text });
-        self.tell("textDocument/didOpen", json!({ "textDocument": document }))
+        self.notify("textDocument/didOpen", json!({ "textDocument": document }))
             .await;
     }
 
@@ -273,7 +273,7 @@ impl Editor {
             "textDocument": { "uri": uri, "version": version },
             "contentChanges": changes,
         });
-        self.tell("textDocument/didChange", params).await;
+        self.notify("textDocument/didChange", params).await;
     }
 
     async fn wait(&mut self, what: &str, fits: impl Fn(&Value) -> bool) -> Value {
@@ -352,7 +352,7 @@ impl Editor {
                 status.expect("a status").code().expect("no signal")
             }
         };
-        // What was said last.
+        // The last messages.
         while let Ok(Some(message)) = timeout(Duration::from_secs(5), self.incoming.recv()).await {
             self.transcript
                 .push(json!({ "from": "server", "message": message }));
@@ -374,8 +374,8 @@ impl Editor {
         std::fs::write(folder.join(name), lines).expect("a file");
     }
 
-    /// The messages of the server so far.
-    pub fn heard(&self) -> impl Iterator<Item = &Value> {
+    /// Returns the messages of the server so far.
+    pub fn received(&self) -> impl Iterator<Item = &Value> {
         let server = self
             .transcript
             .iter()

@@ -1,4 +1,4 @@
-//! Random edits through the language server: after every one, what it says is what the text alone says.
+//! Random edits through the language server: after each one, its answers are those for the text alone.
 
 use ide::geotrace::GeotraceAnalysis;
 use ide::geotrace::semantic::semantic_tokens;
@@ -299,7 +299,7 @@ async fn check_requests(editor: &mut Editor, mirror: &Mirror, random: &mut Rando
     let mut ends = [offset, mirror.place(random)];
     ends.sort_unstable();
     let span = Span::new(ends[0] as u32, ends[1] as u32);
-    let told = format!("{:?} at {offset}", mirror.text);
+    let place = format!("{:?} at {offset}", mirror.text);
     let document = json!({ "textDocument": mirror.document() });
     let with = |value: &Value, more: Value| -> Value {
         let mut value = value.clone();
@@ -342,11 +342,11 @@ async fn check_requests(editor: &mut Editor, mirror: &Mirror, random: &mut Rando
     let mut inner = Span::new(offset as u32, offset as u32);
     while link.is_object() {
         let [start, end] = ["start", "end"].map(|key| mirror.offset(&link["range"][key]) as u32);
-        assert!(start <= inner.start && inner.end <= end, "{told}: {chain}");
+        assert!(start <= inner.start && inner.end <= end, "{place}: {chain}");
         inner = Span::new(start, end);
         link = &link["parent"];
     }
-    assert_eq!(inner, Span::new(0, mirror.text.len() as u32), "{told}");
+    assert_eq!(inner, Span::new(0, mirror.text.len() as u32), "{place}");
 
     let items = editor.ask("textDocument/completion", at.clone()).await;
     if let Some(item) = items.as_array().and_then(|items| items.last()) {
@@ -359,13 +359,13 @@ async fn check_requests(editor: &mut Editor, mirror: &Mirror, random: &mut Rando
         .await;
     for action in actions.as_array().into_iter().flatten() {
         let changed = mirror.edited(&action["edit"]["documentChanges"][0]["edits"]);
-        assert_ne!(changed, mirror.text, "{told}: {action}");
+        assert_ne!(changed, mirror.text, "{place}: {action}");
     }
 
     let part = editor
         .ask("textDocument/semanticTokens/range", within.clone())
         .await;
-    assert_eq!(numbers(&part["data"]), mirror.encoded(span), "{told}");
+    assert_eq!(numbers(&part["data"]), mirror.encoded(span), "{place}");
 
     let rename = with(&at, json!({ "newName": "zq9" }));
     let prepared = editor.post("textDocument/prepareRename", at.clone()).await;
@@ -373,15 +373,15 @@ async fn check_requests(editor: &mut Editor, mirror: &Mirror, random: &mut Rando
     let renamed = editor.post("textDocument/rename", rename).await;
     match editor.answer(renamed).await {
         Ok(edit) => {
-            assert!(prepared.is_ok(), "{told}");
+            assert!(prepared.is_ok(), "{place}");
             let changed = mirror.edited(&edit["documentChanges"][0]["edits"]);
             assert_eq!(
                 errors(&changed),
                 errors(&mirror.text),
-                "{told}: {changed:?}"
+                "{place}: {changed:?}"
             );
         }
-        Err(error) => assert_eq!(error["code"], -32803, "{told}: {error}"),
+        Err(error) => assert_eq!(error["code"], -32803, "{place}: {error}"),
     }
 
     for (method, params) in [
@@ -401,17 +401,17 @@ async fn check_requests(editor: &mut Editor, mirror: &Mirror, random: &mut Rando
         assert_eq!(
             without_blanks(&laid_out),
             without_blanks(&mirror.text),
-            "{method} {told}"
+            "{method} {place}"
         );
-        assert_eq!(errors(&laid_out), errors(&mirror.text), "{method} {told}");
+        assert_eq!(errors(&laid_out), errors(&mirror.text), "{method} {place}");
     }
 }
 
 /// Makes random edits of two documents, whose positions an editor counts in this encoding. With `pulls` the editor asks for
-/// diagnostics, else it is told them. An equal seed and count give equal edits; more edits are other edits.
+/// diagnostics, else it receives them unasked. An equal seed and count give equal edits; more edits are other edits.
 ///
 /// # Panics
-/// Where the server says something else than the text alone.
+/// The differences between the answers of the server and those for the text alone.
 pub async fn session(encoding: &'static str, pulls: bool, seed: u64, edits: usize) {
     let mut editor = Editor::start(Place::Here, &format!("random-{encoding}-{pulls}"));
     let answer = editor

@@ -32,7 +32,7 @@ pub struct Window {
 }
 
 impl Windows {
-    /// Windows are processes of this program, `fake-window`; deaf ones read nothing of the text until they are told to.
+    /// Windows are processes of this program, `fake-window`; deaf ones read nothing of the text until they are ordered to.
     pub async fn new(fake: &str, deaf: bool) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
         let address = listener.local_addr().expect("an address").to_string();
@@ -70,7 +70,7 @@ impl Window {
             writer,
             text: Value::Null,
         };
-        let line = window.line().await.expect("it says who it is");
+        let line = window.line().await.expect("it reports its process");
         window.pid = line
             .strip_prefix("pid ")
             .expect("a process")
@@ -81,60 +81,64 @@ impl Window {
 
     async fn line(&mut self) -> Option<String> {
         let line = timeout(PATIENCE, self.lines.next_line()).await;
-        line.expect("something is said").unwrap_or_default()
+        line.expect("a line arrives").unwrap_or_default()
     }
 
-    /// What the server tells it next; `None` when the server tells nothing more or the process has ended.
-    pub async fn hear(&mut self) -> Option<Value> {
+    /// Returns the next message of the server; `None` when it sends no more or the process has ended.
+    pub async fn receive(&mut self) -> Option<Value> {
         let line = self.line().await?;
-        let told: Value = serde_json::from_str(line.strip_prefix("in ")?).expect("JSON");
-        match told["type"].as_str() {
-            Some("text") => self.text = told.clone(),
-            Some("edit") => self.edit(&told),
+        let received: Value = serde_json::from_str(line.strip_prefix("in ")?).expect("JSON");
+        match received["type"].as_str() {
+            Some("text") => self.text = received.clone(),
+            Some("edit") => self.edit(&received),
             _ => {}
         }
-        Some(told)
+        Some(received)
     }
 
-    /// What the server tells it next of this type; others are passed by. A text may come as an edit of the one before: it
+    /// Returns the next message of the server of this type; others are skipped. A text may come as an edit of the one before: it
     /// is returned whole.
-    pub async fn hear_of(&mut self, kind: &str) -> Value {
+    pub async fn receive_of(&mut self, kind: &str) -> Value {
         loop {
-            let told = self.hear().await;
-            let told = told.unwrap_or_else(|| panic!("the server ended before a {kind} came"));
-            if kind == "text" && told["type"] == "edit" {
+            let received = self.receive().await;
+            let received =
+                received.unwrap_or_else(|| panic!("the server ended before a {kind} came"));
+            if kind == "text" && received["type"] == "edit" {
                 return self.text.clone();
             }
-            if told["type"] == kind {
-                return told;
+            if received["type"] == kind {
+                return received;
             }
         }
     }
 
     /// Applies an edit to the text.
-    fn edit(&mut self, told: &Value) {
-        assert_eq!(told["base"], self.text["version"], "it applies to the text");
+    fn edit(&mut self, received: &Value) {
+        assert_eq!(
+            received["base"], self.text["version"],
+            "it applies to the text"
+        );
         let mut text = self.text["text"].as_str().expect("a text").to_owned();
-        let changes = told["changes"].as_array().expect("changes").iter();
+        let changes = received["changes"].as_array().expect("changes").iter();
         for change in changes.rev() {
             let [start, end] = [0, 1].map(|k| change["range"][k].as_u64().expect("an offset"));
             let new = change["text"].as_str().expect("a text");
             text.replace_range(start as usize..end as usize, new);
         }
-        self.text["version"] = told["version"].clone();
+        self.text["version"] = received["version"].clone();
         self.text["text"] = json!(text);
     }
 
-    /// Whether it is told nothing for a while.
-    pub async fn hears_nothing(&mut self) -> bool {
-        timeout(Duration::from_millis(300), self.hear())
+    /// Returns true if it receives nothing for a while.
+    pub async fn receives_nothing(&mut self) -> bool {
+        timeout(Duration::from_millis(300), self.receive())
             .await
             .is_err()
     }
 
-    /// Waits for the end of its process, or of what it is told.
+    /// Waits for the end of its process, or of what it is received.
     pub async fn ended(&mut self) {
-        while self.hear().await.is_some() {}
+        while self.receive().await.is_some() {}
     }
 
     async fn order(&mut self, word: &str, rest: &str) {
@@ -146,13 +150,13 @@ impl Window {
     }
 
     /// Writes a line to its standard output.
-    pub async fn say_line(&mut self, line: &str) {
+    pub async fn send_line(&mut self, line: &str) {
         self.order("out", line).await;
     }
 
-    /// Says an event.
-    pub async fn say(&mut self, event: Value) {
-        self.say_line(&event.to_string()).await;
+    /// Sends an event.
+    pub async fn send(&mut self, event: Value) {
+        self.send_line(&event.to_string()).await;
     }
 
     /// Writes a line to its standard error.
@@ -177,19 +181,19 @@ impl Window {
         self.ended().await;
     }
 
-    /// Shakes hands: each side says its version.
+    /// Shakes hands: each side sends its version.
     pub async fn greet(&mut self) {
         self.greet_as(VERSION).await;
-        let told = self.hear().await.expect("a greeting");
+        let received = self.receive().await.expect("a greeting");
         assert_eq!(
-            (&told["type"], &told["protocol"]),
+            (&received["type"], &received["protocol"]),
             (&json!("hello"), &json!(VERSION))
         );
     }
 
     /// Says a version of the messages.
     pub async fn greet_as(&mut self, version: u32) {
-        self.say(json!({ "type": "hello", "protocol": version, "program": "fake" }))
+        self.send(json!({ "type": "hello", "protocol": version, "program": "fake" }))
             .await;
     }
 }

@@ -907,7 +907,7 @@ fn interrupted(signal: &str) -> (Vec<String>, Option<i32>) {
 }
 
 /// Interrupts the drawing of something that would take hours and is to be kept, once a part of it is done; what it has
-/// said.
+/// printed.
 #[cfg(unix)]
 fn kept(folder: &Path, options: &str) -> String {
     let mut patience = std::time::Duration::from_millis(500);
@@ -924,15 +924,15 @@ fn kept(folder: &Path, options: &str) -> String {
             .args(["-INT", &drawing.id().to_string()])
             .status();
         assert!(kill.expect("it runs").success());
-        let mut told = String::new();
+        let mut printed = String::new();
         let mut errors = drawing.stderr.take().expect("it is piped");
-        std::io::Read::read_to_string(&mut errors, &mut told).expect("text");
+        std::io::Read::read_to_string(&mut errors, &mut printed).expect("text");
         if drawing.wait().expect("it ends").success() {
-            return told;
+            return printed;
         }
         // On a busy machine it has not begun yet.
         patience *= 2;
-        assert!(patience.as_secs() < 60, "{told}");
+        assert!(patience.as_secs() < 60, "{printed}");
     }
 }
 
@@ -942,20 +942,20 @@ fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = "param a : [0, 1]; solid s(x,y,z) = x^2 + y^2 + z^2 - 1; light l = @ (a,-3,4);";
     std::fs::write(folder.path().join("s.gtr"), text).expect("written");
-    let told = kept(folder.path(), "-o out.png --size 64x48 --samples 65536");
+    let printed = kept(folder.path(), "-o out.png --size 64x48 --samples 65536");
     assert!(
-        told.contains("note: interrupted: each pixel has "),
-        "{told}"
+        printed.contains("note: interrupted: each pixel has "),
+        "{printed}"
     );
-    assert!(told.contains(" of its 65536 samples"), "{told}");
+    assert!(printed.contains(" of its 65536 samples"), "{printed}");
     let picture = image::open(folder.path().join("out.png")).expect("a picture");
     assert_eq!((picture.width(), picture.height()), (64, 48));
     // A picture of the series is large, so that the signal comes before its first sample is done.
     let series = "-o f.png --size 1600x1200 --animate a=0:1 --frames 100000 --samples 1";
-    let told = kept(folder.path(), series);
-    assert!(told.contains(" of 100000 pictures"), "{told}");
+    let printed = kept(folder.path(), series);
+    assert!(printed.contains(" of 100000 pictures"), "{printed}");
     let files = std::fs::read_dir(folder.path()).expect("a folder").count();
-    assert!(files > 2, "{told}");
+    assert!(files > 2, "{printed}");
     let video = "render s.gtr -o f.apng --animate a=0:1 --partial";
     let refused = geotrace(video.split_whitespace())
         .folder(folder.path())
@@ -993,11 +993,11 @@ fn a_file_that_may_not_grow_is_told_and_leaves_nothing_behind() {
         .current_dir(folder.path())
         .output()
         .expect("it runs");
-    let told = String::from_utf8_lossy(&run.stderr);
+    let printed = String::from_utf8_lossy(&run.stderr);
     assert!(run.status.code().is_some_and(|code| code > 0), "{run:?}");
-    assert!(told.contains("s.obj"), "{told}");
+    assert!(printed.contains("s.obj"), "{printed}");
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();
-    assert_eq!(left, 1, "{told}");
+    assert_eq!(left, 1, "{printed}");
 }
 
 #[test]
@@ -1014,10 +1014,10 @@ fn wavefronts_that_are_too_close_are_named() {
             .input(SPHERE)
             .run();
         run.expect_status(0);
-        let told = run
+        let is_noted = run
             .stderr
             .contains("are less than 3 pixels apart here: none is drawn");
-        assert_eq!(told, !drawn, "{run:?}");
+        assert_eq!(is_noted, !drawn, "{run:?}");
     }
 }
 

@@ -77,7 +77,7 @@ struct Report {
 }
 
 impl Report {
-    fn say(&mut self, line: usize, what: impl AsRef<str>) {
+    fn report(&mut self, line: usize, what: impl AsRef<str>) {
         let _ = writeln!(self.text, "  line {line}: {}", what.as_ref());
     }
 }
@@ -98,7 +98,7 @@ fn check(language: &dyn Language, case: &Case, report: &mut Report) {
         return;
     }
     let Some(scene) = &compilation.scene else {
-        report.say(case.line, "has no scene");
+        report.report(case.line, "has no scene");
         return;
     };
     let mut settings = ParamValues::initial(scene);
@@ -110,18 +110,18 @@ fn check(language: &dyn Language, case: &Case, report: &mut Report) {
                 refusal,
             } => match (settings.set(scene, name, values), refusal) {
                 (Ok(()), None) => {}
-                (Ok(()), Some(_)) => report.say(step.line, "is accepted"),
-                (Err(error), None) => report.say(step.line, format!("is refused: {error}")),
+                (Ok(()), Some(_)) => report.report(step.line, "is accepted"),
+                (Err(error), None) => report.report(step.line, format!("is refused: {error}")),
                 (Err(error), Some(fragments)) => {
                     let error = error.to_string();
                     if !holds(&error, fragments) {
-                        report.say(step.line, format!("the refusal is: {error}"));
+                        report.report(step.line, format!("the refusal is: {error}"));
                     }
                 }
             },
             Action::Evaluate { text, result } => {
                 if let Err(what) = check_value(&compilation, &settings, text, result) {
-                    report.say(step.line, format!("{text} gives {what}"));
+                    report.report(step.line, format!("{text} gives {what}"));
                 }
             }
         }
@@ -145,7 +145,7 @@ fn check_diagnostics(case: &Case, actual: &[Diagnostic], report: &mut Report) {
                 && expected.mark.holds(start, end)
         });
         let Some(found) = found else {
-            report.say(
+            report.report(
                 expected.line,
                 format!("is not reported at {:?}", expected.mark),
             );
@@ -153,7 +153,7 @@ fn check_diagnostics(case: &Case, actual: &[Diagnostic], report: &mut Report) {
         };
         let diagnostic = open.remove(found);
         if expected.code == "?" {
-            report.say(expected.line, format!("the code is {}", diagnostic.code.0));
+            report.report(expected.line, format!("the code is {}", diagnostic.code.0));
             report
                 .edits
                 .push((expected.line, diagnostic.code.0.to_owned()));
@@ -167,7 +167,7 @@ fn check_diagnostics(case: &Case, actual: &[Diagnostic], report: &mut Report) {
                 )
             });
             if !names {
-                report.say(
+                report.report(
                     expected.line,
                     format!("does not name {related:?}, but {:?}", diagnostic.related),
                 );
@@ -177,7 +177,7 @@ fn check_diagnostics(case: &Case, actual: &[Diagnostic], report: &mut Report) {
     for diagnostic in open {
         let (start, end) = place(diagnostic);
         let hint = diagnostic.hint.as_deref().unwrap_or("no hint");
-        report.say(
+        report.report(
             case.line,
             format!(
                 "reports as well {}–{} {:?}[{}]: {} ({hint})",
@@ -193,14 +193,14 @@ fn check_diagnostics(case: &Case, actual: &[Diagnostic], report: &mut Report) {
 
 fn check_texts(expected: &Expected, diagnostic: &Diagnostic, report: &mut Report) {
     if !holds(&diagnostic.message, &expected.message) {
-        report.say(
+        report.report(
             expected.line,
             format!("the message is: {}", diagnostic.message),
         );
     }
     let hint = diagnostic.hint.as_deref().unwrap_or("");
     if !holds(hint, &expected.hint) {
-        report.say(expected.line, format!("the hint is: {hint}"));
+        report.report(expected.line, format!("the hint is: {hint}"));
     }
 }
 

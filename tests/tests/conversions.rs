@@ -304,7 +304,7 @@ Scene { m() }";
 async fn actions(editor: &mut Editor, uri: &str, text: &str, only: &[&str]) -> Value {
     let document = json!({ "uri": uri, "languageId": "crt", "version": 1, "text": text });
     editor
-        .tell("textDocument/didOpen", json!({ "textDocument": document }))
+        .notify("textDocument/didOpen", json!({ "textDocument": document }))
         .await;
     let start = json!({ "line": 0, "character": 0 });
     let params = json!({
@@ -355,34 +355,34 @@ async fn an_editor_converts_a_script_into_a_new_file_and_shows_it() {
         assert_eq!(shown["uri"], uri(name));
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    // What the editor refuses, and what cannot be converted, is told.
+    // The user is notified of what the editor refuses, and of what cannot be converted.
     editor.applied = json!({ "applied": false, "failureReason": "it is read-only" });
     editor.ask("workspace/executeCommand", run).await;
-    let told = editor.notified("window/showMessage", |_| true).await;
+    let notification = editor.notified("window/showMessage", |_| true).await;
     assert!(
-        told["message"]
+        notification["message"]
             .as_str()
             .expect("a text")
             .contains("it is read-only"),
-        "{told}"
+        "{notification}"
     );
     let wrong = uri("wrong.crt");
     actions(&mut editor, &wrong, "Scene { b }", &[]).await;
     let run = json!({ "command": "geotrace.convert", "arguments": [wrong] });
     editor.ask("workspace/executeCommand", run).await;
-    let told = editor.notified("window/showMessage", |_| true).await;
+    let notification = editor.notified("window/showMessage", |_| true).await;
     assert!(
-        told["message"]
+        notification["message"]
             .as_str()
             .expect("a text")
             .contains("with errors"),
-        "{told}"
+        "{notification}"
     );
     // Other documents are not converted.
     let document =
         json!({ "uri": uri("a.gtr"), "languageId": "geotrace", "version": 1, "text": "" });
     editor
-        .tell("textDocument/didOpen", json!({ "textDocument": document }))
+        .notify("textDocument/didOpen", json!({ "textDocument": document }))
         .await;
     let none = actions(&mut editor, &uri("a.gtr"), "", &[]).await;
     assert_eq!(none, json!([]));
@@ -397,13 +397,13 @@ async fn an_editor_converts_a_script_into_a_new_file_and_shows_it() {
     assert_eq!(found, json!([]));
     let run = json!({ "command": "geotrace.convert", "arguments": [uri("good.crt")] });
     editor.ask("workspace/executeCommand", run).await;
-    let told = editor.notified("window/showMessage", |_| true).await;
+    let notification = editor.notified("window/showMessage", |_| true).await;
     assert!(
-        told["message"]
+        notification["message"]
             .as_str()
             .expect("a text")
             .contains("geotrace convert"),
-        "{told}"
+        "{notification}"
     );
     assert_eq!(editor.quit().await, 0);
 }

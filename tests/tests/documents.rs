@@ -504,8 +504,8 @@ fn the_pictures_of_the_docs_are_drawn_as_they_stand() {
         .env("GEOTRACE_STILLS", "1")
         .output()
         .expect("bash");
-    let said = String::from_utf8_lossy(&script.stderr);
-    assert!(script.status.success(), "{said}");
+    let printed = String::from_utf8_lossy(&script.stderr);
+    assert!(script.status.success(), "{printed}");
     let gallery = Path::new("gallery");
     let mut count = 0;
     for part in ["".as_ref(), gallery] {

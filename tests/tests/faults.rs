@@ -77,12 +77,20 @@ fn a_standard_output_that_is_full_is_told_by_every_command() {
             .stdout(full.expect("the device"))
             .output()
             .expect("it runs");
-        let said = String::from_utf8_lossy(&ended.stderr);
+        let printed = String::from_utf8_lossy(&ended.stderr);
         // An empty input has an empty layout.
         let status = if arguments[0] == "format" { 0 } else { 2 };
-        assert_eq!(ended.status.code(), Some(status), "{arguments:?}: {said}");
-        assert!(!said.contains("panicked"), "{arguments:?}: {said}");
-        assert_eq!(said.contains("space"), status == 2, "{arguments:?}: {said}");
+        assert_eq!(
+            ended.status.code(),
+            Some(status),
+            "{arguments:?}: {printed}"
+        );
+        assert!(!printed.contains("panicked"), "{arguments:?}: {printed}");
+        assert_eq!(
+            printed.contains("space"),
+            status == 2,
+            "{arguments:?}: {printed}"
+        );
     }
     assert_eq!(names(folder.path()), ["p.gtr"]);
 }
@@ -124,10 +132,10 @@ fn a_folder_that_vanishes_while_pictures_are_drawn_is_told() {
     // While it is emptied, a new picture may come.
     std::fs::rename(&out, folder.path().join("gone")).expect("renamed");
     let ended = drawing.wait_with_output().expect("it ends");
-    let said = String::from_utf8_lossy(&ended.stderr);
-    assert_eq!(ended.status.code(), Some(2), "{said}");
-    assert!(said.contains("cannot write"), "{said}");
-    assert!(!said.contains("panicked"), "{said}");
+    let printed = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(2), "{printed}");
+    assert!(printed.contains("cannot write"), "{printed}");
+    assert!(!printed.contains("panicked"), "{printed}");
     assert_eq!(names(folder.path()), ["gone", "p.gtr"]);
 }
 

@@ -129,7 +129,7 @@ fn what_cannot_be_traced_is_refused_in_words() {
     assert!(three.contains("two numbers"), "{three}");
 }
 
-/// Draws a picture of 80×80 pixels and returns it with what is said on standard error.
+/// Draws a picture of 80×80 pixels and returns it with the text on standard error.
 #[track_caller]
 fn picture(program: &str, more: &[&str]) -> (RgbaImage, String) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -154,8 +154,11 @@ fn picture(program: &str, more: &[&str]) -> (RgbaImage, String) {
 
 #[test]
 fn a_ball_of_one_colour_is_a_checker() {
-    let (image, said) = picture(BALL, &["--view", "geodesic:ball", "--zoom", "3"]);
-    assert!(said.contains("rays") && !said.contains("hatched"), "{said}");
+    let (image, printed) = picture(BALL, &["--view", "geodesic:ball", "--zoom", "3"]);
+    assert!(
+        printed.contains("rays") && !printed.contains("hatched"),
+        "{printed}"
+    );
     let mut colours: Vec<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
     colours.sort_unstable();
     let before = colours.len();
@@ -189,12 +192,15 @@ fn a_coloured_ball_shows_its_colour_at_the_ends_of_its_geodesics() {
 
 #[test]
 fn beyond_an_edge_a_picture_is_hatched() {
-    let (_, said) = picture(
+    let (_, printed) = picture(
         CUBE,
         &["--view", "geodesic:all", "--at", "0,0,1", "--zoom", "2"],
     );
     // A quarter of the picture is the face.
-    assert!(said.contains("75.") && said.contains("hatched"), "{said}");
+    assert!(
+        printed.contains("75.") && printed.contains("hatched"),
+        "{printed}"
+    );
 }
 
 #[test]

@@ -17,8 +17,8 @@ struct Limit {
     what: &'static str,
     most: String,
     why: String,
-    /// What is said, as it stands in the sources; what is in braces is put in there.
-    said: &'static str,
+    /// What is message, as it stands in the sources; what is in braces is put in there.
+    message: &'static str,
     /// How to raise it; empty where nobody needs to.
     raised: &'static str,
 }
@@ -27,14 +27,14 @@ fn limit(
     what: &'static str,
     most: impl std::fmt::Display,
     why: impl Into<String>,
-    said: &'static str,
+    message: &'static str,
     raised: &'static str,
 ) -> Limit {
     Limit {
         what,
         most: most.to_string(),
         why: why.into(),
-        said,
+        message,
         raised,
     }
 }
@@ -371,21 +371,21 @@ fn table(limits: &[Limit]) -> String {
     );
     for limit in limits {
         // What is put in stands as an ellipsis.
-        let mut said = String::new();
+        let mut message = String::new();
         let mut inside = false;
-        for c in limit.said.chars() {
+        for c in limit.message.chars() {
             match c {
                 '{' => {
                     inside = true;
-                    said.push('…');
+                    message.push('…');
                 }
                 '}' => inside = false,
-                c if !inside => said.push(c),
+                c if !inside => message.push(c),
                 _ => {}
             }
         }
         text.push_str(&format!(
-            "| {} | {} | {} | {said} | {} |\n",
+            "| {} | {} | {} | {message} | {} |\n",
             limit.what, limit.most, limit.why, limit.raised
         ));
     }
@@ -444,8 +444,13 @@ fn every_sentence_of_the_page_of_limits_is_one_of_the_program() {
         .flatten()
     {
         // What clap says of a number that is out of an option's range stands in no source of ours.
-        if limit.said != "is not in" {
-            assert!(all.contains(limit.said), "{}: {}", limit.what, limit.said);
+        if limit.message != "is not in" {
+            assert!(
+                all.contains(limit.message),
+                "{}: {}",
+                limit.what,
+                limit.message
+            );
         }
     }
 }

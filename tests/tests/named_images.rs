@@ -15,7 +15,7 @@ fn save(path: &Path, [r, g, b]: [u8; 3]) {
     image.save(path).expect("written");
 }
 
-/// Draws a program in a folder; the picture's middle, and what was said.
+/// Draws a program in a folder; the picture's middle, and what was printed.
 fn draw(folder: &Path, program: &str, options: &[&str]) -> ([u8; 3], String) {
     std::fs::write(folder.join("a.gtr"), program).expect("written");
     let out = folder.join("out.png").display().to_string();
@@ -58,9 +58,9 @@ fn an_object_shows_the_image_that_it_states_in_every_view() {
         // The ring at the middle of the geodesic view is left out.
         let options = ["--view", view, "--setting", "centre=off"];
         let options = &options[..if view == "geodesic" { 4 } else { 2 }];
-        let (middle, said) = draw(folder, program, options);
+        let (middle, printed) = draw(folder, program, options);
         assert_eq!(hue(middle), RED, "{view} of {program}: {middle:?}");
-        assert!(!said.contains("not shown"), "{said}");
+        assert!(!printed.contains("not shown"), "{printed}");
         // An image that is chosen wins.
         let chosen = format!("{name}={other}");
         let (middle, _) = draw(
@@ -77,35 +77,35 @@ fn an_image_lies_beside_the_program_or_in_the_folder_that_is_given() {
     let folder = tempfile::tempdir().expect("a folder");
     let elsewhere = tempfile::tempdir().expect("a folder");
     let given = elsewhere.path().display().to_string();
-    let (_, said) = draw(folder.path(), SURFACE, &[]);
+    let (_, printed) = draw(folder.path(), SURFACE, &[]);
     assert!(
-        said.contains("there is no ground.png, ground.jpg or ground.jpeg beside the program\n"),
-        "{said}"
+        printed.contains("there is no ground.png, ground.jpg or ground.jpeg beside the program\n"),
+        "{printed}"
     );
-    let (_, said) = draw(folder.path(), SURFACE, &["--images", &given]);
+    let (_, printed) = draw(folder.path(), SURFACE, &["--images", &given]);
     assert!(
-        said.contains(&format!("beside the program or in {given}")),
-        "{said}"
+        printed.contains(&format!("beside the program or in {given}")),
+        "{printed}"
     );
     save(&elsewhere.path().join("ground.png"), GREEN);
-    let (middle, said) = draw(folder.path(), SURFACE, &["--images", &given]);
+    let (middle, printed) = draw(folder.path(), SURFACE, &["--images", &given]);
     assert_eq!(
-        (hue(middle), said.contains("note")),
+        (hue(middle), printed.contains("note")),
         (GREEN, false),
-        "{said}"
+        "{printed}"
     );
     // A folder is no image, and a file that is none is named.
     std::fs::create_dir(folder.path().join("ground.png")).expect("made");
-    let (_, said) = draw(folder.path(), SURFACE, &[]);
+    let (_, printed) = draw(folder.path(), SURFACE, &[]);
     assert!(
-        said.contains("ground.png is not a regular file\n"),
-        "{said}"
+        printed.contains("ground.png is not a regular file\n"),
+        "{printed}"
     );
     std::fs::write(folder.path().join("ground.jpg"), "no image").expect("written");
-    let (_, said) = draw(folder.path(), SURFACE, &["--images", &given]);
+    let (_, printed) = draw(folder.path(), SURFACE, &["--images", &given]);
     assert!(
-        said.contains("ground.jpg is not a PNG or JPEG image"),
-        "{said}"
+        printed.contains("ground.jpg is not a PNG or JPEG image"),
+        "{printed}"
     );
 }
 

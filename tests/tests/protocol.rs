@@ -26,8 +26,8 @@ async fn every_feature_answers() {
         assert_eq!(editor.diagnostics(URI, 1).await, Vec::<Value>::new());
 
         let hover = editor.ask("textDocument/hover", at(2, 8)).await;
-        let told = hover["contents"]["value"].as_str().expect("markdown");
-        assert!(told.contains("= 6.2832"), "{told}");
+        let text = hover["contents"]["value"].as_str().expect("markdown");
+        assert!(text.contains("= 6.2832"), "{text}");
         assert_eq!(hover["range"], range([2, 7], [2, 10]));
 
         let items = editor.ask("textDocument/completion", at(6, 11)).await;
@@ -37,10 +37,10 @@ async fn every_feature_answers() {
             .find(|item| item["label"] == "tau")
             .expect("tau");
         let resolved = editor.ask("completionItem/resolve", tau.clone()).await;
-        let told = resolved["documentation"]["value"]
+        let text = resolved["documentation"]["value"]
             .as_str()
             .expect("documentation");
-        assert!(told.contains("define tau"), "{told}");
+        assert!(text.contains("define tau"), "{text}");
 
         let help = editor.ask("textDocument/signatureHelp", at(6, 16)).await;
         assert_eq!(help["signatures"][0]["label"], "f(x, y)");
@@ -262,7 +262,7 @@ async fn diagnostics_are_versioned_and_point_at_the_definition() {
             json!({ "uri": URI, "range": range([0, 7], [0, 8]) })
         );
 
-        // Who asks is not told unasked as well.
+        // An editor that asks receives none unasked.
         let params = json!({ "textDocument": document() });
         let report = editor.ask("textDocument/diagnostic", params).await;
         assert_eq!(report["kind"], "full");
@@ -286,7 +286,7 @@ async fn diagnostics_are_versioned_and_point_at_the_definition() {
 
         // A document that is closed leaves nothing behind.
         editor
-            .tell(
+            .notify(
                 "textDocument/didClose",
                 json!({ "textDocument": document() }),
             )
@@ -371,7 +371,7 @@ async fn tokens_that_are_told_as_differences_are_the_tokens() {
         assert_eq!(data, numbers(&now["data"]), "after edit {k}");
         name = now["resultId"].clone();
     }
-    // A name that is not the last one told gets everything.
+    // A name that is not the last one sent gets everything.
     let params = json!({ "textDocument": document(), "previousResultId": "never" });
     let all = editor
         .ask("textDocument/semanticTokens/full/delta", params)
@@ -471,7 +471,7 @@ async fn settings_are_heeded() {
         json!([])
     );
     editor
-        .tell(
+        .notify(
             "workspace/didChangeConfiguration",
             json!({ "settings": { "geotrace": { "codeLens": true } } }),
         )
@@ -495,7 +495,7 @@ async fn settings_that_are_not_sent_are_asked_for() {
     for settings in [Value::Null, json!({})] {
         let changed = json!({ "settings": settings });
         editor
-            .tell("workspace/didChangeConfiguration", changed)
+            .notify("workspace/didChangeConfiguration", changed)
             .await;
         editor.asked("workspace/configuration").await;
     }

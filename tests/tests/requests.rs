@@ -22,10 +22,10 @@ fn names(symbols: &Value) -> Vec<&str> {
     symbols.filter_map(|it| it["name"].as_str()).collect()
 }
 
-/// What has been heard of a progress.
+/// The kinds of the reports of a progress that have been received.
 fn progress(editor: &Editor, token: &str) -> Vec<String> {
-    let heard = editor.heard().filter(|it| it["method"] == "$/progress");
-    let own = heard.filter(|it| it["params"]["token"] == token);
+    let received = editor.received().filter(|it| it["method"] == "$/progress");
+    let own = received.filter(|it| it["params"]["token"] == token);
     let kinds = own.map(|it| it["params"]["value"]["kind"].as_str());
     kinds.flatten().map(str::to_owned).collect()
 }
@@ -75,7 +75,7 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
         let mut found = names(&found);
         found.sort_unstable();
         assert_eq!(found, ["alp", "alpha"]);
-        // All of it is told before the answer.
+        // All of it is sent before the answer.
         assert_eq!(progress(&editor, "first"), ["begin", "end"]);
 
         // An open document is what the editor has of it, not what is on the disk.
@@ -90,7 +90,7 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
         let event =
             json!({ "event": { "removed": [{ "uri": uri, "name": "programs" }], "added": [] } });
         editor
-            .tell("workspace/didChangeWorkspaceFolders", event)
+            .notify("workspace/didChangeWorkspaceFolders", event)
             .await;
         let found = editor.ask("workspace/symbol", query("third")).await;
         assert_eq!(names(&found), ["also"]);
@@ -99,10 +99,13 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
         for k in 0..20 {
             let token = format!("cancelled {k}");
             let id = editor.post("workspace/symbol", query(&token)).await;
-            editor.tell("$/cancelRequest", json!({ "id": id })).await;
+            editor.notify("$/cancelRequest", json!({ "id": id })).await;
             let _ = editor.answer(id).await;
-            let told = progress(&editor, &token);
-            assert!(told.is_empty() || told == ["begin", "end"], "{told:?}");
+            let received = progress(&editor, &token);
+            assert!(
+                received.is_empty() || received == ["begin", "end"],
+                "{received:?}"
+            );
         }
         assert_eq!(editor.quit().await, 0);
     }
@@ -229,10 +232,10 @@ async fn diagnostics_of_what_is_not_open_are_refused_and_nothing_is_taken_back()
             .is_some_and(|it| it.contains("not open")),
         "{error}"
     );
-    // What the server would say of it has been said before it ends.
+    // The server sends what it has to report before it ends.
     let published = |editor: &Editor| {
-        let heard = editor.heard();
-        heard
+        let received = editor.received();
+        received
             .filter(|it| it["method"] == "textDocument/publishDiagnostics")
             .count()
     };

@@ -43,10 +43,10 @@ fn every_example_runs_without_a_word_in_the_canonical_layout_and_is_seen() {
         let name = script.display().to_string();
         let run = geotrace(["check", &name]).run();
         run.expect_status(0);
-        let said = [run.stdout, run.stderr].concat();
+        let printed = [run.stdout, run.stderr].concat();
         assert!(
-            !said.contains("warning") && !said.contains("hint"),
-            "{said}"
+            !printed.contains("warning") && !printed.contains("hint"),
+            "{printed}"
         );
         geotrace(["format", "--check", &name])
             .run()

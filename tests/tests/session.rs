@@ -28,7 +28,7 @@ async fn cancelled_requests_are_answered_at_once_and_the_others_too() {
                 .post("textDocument/documentSymbol", params.clone())
                 .await;
             if k % 2 == 0 {
-                editor.tell("$/cancelRequest", json!({ "id": id })).await;
+                editor.notify("$/cancelRequest", json!({ "id": id })).await;
             }
             ids.push(id);
         }
@@ -66,7 +66,7 @@ async fn a_burst_of_ten_thousand_messages_ends_in_the_last_state() {
         assert_eq!(found, Vec::<Value>::new());
         // Versions only grow, and most were never worked on.
         let versions: Vec<i64> = editor
-            .heard()
+            .received()
             .filter(|m| m["method"] == "textDocument/publishDiagnostics")
             .filter_map(|m| m["params"]["version"].as_i64())
             .collect();
@@ -111,7 +111,7 @@ async fn a_script_runs_beside_the_edits_and_a_newer_edit_ends_the_run() {
         let last = |p: &Value| p["version"] == 12 && p["diagnostics"] != json!([]);
         let last = editor.notified(PUBLISH, last).await;
         assert_eq!(found(&last), ["no-effect", "no-effect"]);
-        let early = editor.heard().filter(|m| {
+        let early = editor.received().filter(|m| {
             let version = m["params"]["version"].as_i64();
             let is_early = version.is_some_and(|it| (2..12).contains(&it));
             is_early && m["params"]["diagnostics"] != json!([])
@@ -172,9 +172,9 @@ async fn unknown_methods_and_wrong_params_are_errors_of_their_own() {
     let error = editor.fail("$/no-such-method", json!({})).await;
     assert_eq!(error["code"], -32601);
     editor
-        .tell("geotrace/no-such-notification", json!({}))
+        .notify("geotrace/no-such-notification", json!({}))
         .await;
-    editor.tell("$/no-such-notification", json!({})).await;
+    editor.notify("$/no-such-notification", json!({})).await;
     let error = editor
         .fail("textDocument/hover", json!({ "textDocument": 7 }))
         .await;
@@ -216,7 +216,7 @@ async fn requests_before_the_handshake_and_after_the_farewell_are_refused() {
         editor.fail("textDocument/hover", at(0, 0)).await["code"],
         -32600
     );
-    editor.tell("exit", Value::Null).await;
+    editor.notify("exit", Value::Null).await;
     assert_eq!(editor.end().await, 0);
 }
 
@@ -225,7 +225,7 @@ async fn an_editor_that_leaves_without_a_word_ends_the_server() {
     let editor = started(Place::Binary, "eof").await;
     assert_eq!(editor.hang_up().await, 1);
     let mut editor = started(Place::Binary, "exit").await;
-    editor.tell("exit", Value::Null).await;
+    editor.notify("exit", Value::Null).await;
     assert_eq!(editor.end().await, 1);
     let mut editor = started(Place::Binary, "farewell").await;
     editor.ask("shutdown", Value::Null).await;

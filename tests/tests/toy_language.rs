@@ -64,7 +64,7 @@ async fn the_server_has_its_diagnostics_colours_and_outline() {
     let uri = "file:///a.dots";
     let document = json!({ "uri": uri, "languageId": "dots", "version": 1, "text": TEXT });
     editor
-        .tell("textDocument/didOpen", json!({ "textDocument": document }))
+        .notify("textDocument/didOpen", json!({ "textDocument": document }))
         .await;
     assert!(editor.diagnostics(uri, 1).await.is_empty());
     let here = json!({ "textDocument": { "uri": uri } });

@@ -1,8 +1,8 @@
-//! A preview window without a display or a will of its own: a test tells it what to say, and hears what it is told.
+//! A preview window without a display or a will of its own: a test decides what it sends, and receives its input.
 //!
 //! `fake-window ADDRESS [deaf]` connects to the test. To there go `pid N`, `in LINE` for each line of its standard input
 //! and `end` at that's end; from there come `out LINE` and `err LINE` for its standard output and error, `listen`, and
-//! `exit N`. A deaf one reads until the second message, the text, has begun to come, and says its `pid` then; it reads
+//! `exit N`. A deaf one reads until the second message, the text, has begun to come, and sends its `pid` then; it reads
 //! nothing more before `listen`. It ends with status 0 when the test has gone.
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -21,7 +21,7 @@ fn main() {
         input.read_until(b'\n', &mut read).expect("a message");
         input.fill_buf().expect("the text");
     }
-    writeln!(to_test, "pid {}", std::process::id()).expect("the test hears");
+    writeln!(to_test, "pid {}", std::process::id()).expect("the test reads");
     let (listen, may_listen) = std::sync::mpsc::channel();
     if !deaf {
         listen.send(()).expect("it is received below");
@@ -41,7 +41,7 @@ fn main() {
     });
     for line in BufReader::new(stream).lines().map_while(Result::ok) {
         let (word, rest) = line.split_once(' ').unwrap_or((&line, ""));
-        // A server that has gone hears nothing more.
+        // A server that has gone receives nothing more.
         match word {
             "out" => drop(writeln!(std::io::stdout(), "{rest}")),
             "err" => drop(writeln!(std::io::stderr(), "{rest}")),

@@ -20,7 +20,7 @@ async fn a_setting_opens_the_preview_with_each_document() {
     editor.open(URI, PROGRAM).await;
     let mut window = windows.next().await;
     window.greet().await;
-    assert_eq!(window.hear_of("text").await["uri"], URI);
+    assert_eq!(window.receive_of("text").await["uri"], URI);
     // Not for what an editor shows beside it, such as an older version.
     editor.open("git:/other/b.gtr", PROGRAM).await;
     assert!(!windows.is_any().await);
@@ -32,7 +32,7 @@ async fn a_setting_opens_the_preview_with_each_document() {
     editor.open(URI, PROGRAM).await;
     let settings = json!({ "settings": { "geotrace": { "preview": { "open": "onOpen" } } } });
     editor
-        .tell("workspace/didChangeConfiguration", settings)
+        .notify("workspace/didChangeConfiguration", settings)
         .await;
     let mut window = windows.next().await;
     window.greet().await;
@@ -43,20 +43,20 @@ async fn a_window_that_was_closed_opens_anew_without_a_word() {
     let windows = Windows::new(FAKE, false).await;
     let mut editor = started(Place::Here, "preview-closed", &windows).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
-    window.say(json!({ "type": "closed" })).await;
+    window.send(json!({ "type": "closed" })).await;
     // The process may take its time to end: the command does not wait for it.
     window
-        .say(json!({ "type": "message", "error": false, "text": "bye" }))
+        .send(json!({ "type": "message", "error": false, "text": "bye" }))
         .await;
     message(&mut editor, "bye").await;
     command(&mut editor, URI, Value::Null).await;
     let mut next = windows.next().await;
     assert_ne!(next.pid, window.pid);
     next.greet().await;
-    assert_eq!(next.hear_of("text").await["version"], 1);
+    assert_eq!(next.receive_of("text").await["version"], 1);
     window.exit(3).await;
     editor.change(URI, 2, insert(0, 0, "#")).await;
-    assert_eq!(next.hear_of("text").await["version"], 2);
+    assert_eq!(next.receive_of("text").await["version"], 2);
     assert_eq!(messages(&editor), ["bye"]);
     assert_eq!(editor.quit().await, 0);
 }
@@ -68,26 +68,29 @@ async fn a_window_that_dies_is_told_of_once_and_the_command_restarts_it() {
         let mut editor = started(place, "preview-killed", &windows).await;
         let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
         window.complain("the driver says goodbye").await;
-        let told = editor.notified("window/logMessage", |_| true).await;
-        assert_eq!(told["message"], "preview of a.gtr: the driver says goodbye");
+        let received = editor.notified("window/logMessage", |_| true).await;
+        assert_eq!(
+            received["message"],
+            "preview of a.gtr: the driver says goodbye"
+        );
         window.kill().await;
-        let told = message(&mut editor, "ended").await;
+        let received = message(&mut editor, "ended").await;
         for part in ["a.gtr", "signal: 9", "the driver says goodbye"] {
-            assert!(told.contains(part), "{told}");
+            assert!(received.contains(part), "{received}");
         }
         editor.change(URI, 2, insert(0, 0, "#")).await;
         command(&mut editor, URI, Value::Null).await;
         let mut window = windows.next().await;
         window.greet().await;
-        assert_eq!(window.hear_of("text").await["version"], 2);
+        assert_eq!(window.receive_of("text").await["version"], 2);
 
-        // The command does not wait until the death has been told.
+        // The command does not wait until the death has been received.
         kill(window.pid);
         window.ended().await;
         command(&mut editor, URI, Value::Null).await;
         let mut window = windows.next().await;
         window.greet().await;
-        assert_eq!(window.hear_of("text").await["version"], 2);
+        assert_eq!(window.receive_of("text").await["version"], 2);
 
         // One that says why it ends is repeated: here, that there is no display.
         window.complain("error: there is no display").await;
@@ -98,9 +101,12 @@ async fn a_window_that_dies_is_told_of_once_and_the_command_restarts_it() {
             })
             .await;
         window.exit(1).await;
-        let told = message(&mut editor, "exit status: 1").await;
-        assert!(told.contains("error: there is no display. "), "{told}");
-        // The second death may have been told as well, or not: the command has answered it.
+        let received = message(&mut editor, "exit status: 1").await;
+        assert!(
+            received.contains("error: there is no display. "),
+            "{received}"
+        );
+        // The second death may have been reported as well, or not: the command has answered it.
         assert!((2..=3).contains(&messages(&editor).len()));
         assert_eq!(editor.quit().await, 0, "{place:?}");
     }
@@ -114,17 +120,17 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
     command(&mut editor, URI, Value::Null).await;
     let mut window = windows.next().await;
     window.greet_as(99).await;
-    let told = message(&mut editor, "version").await;
+    let received = message(&mut editor, "version").await;
     assert!(
-        told.contains("version 99") && told.contains("version 2"),
-        "{told}"
+        received.contains("version 99") && received.contains("version 2"),
+        "{received}"
     );
     window.ended().await;
 
     // One that begins with something else is none.
     command(&mut editor, URI, Value::Null).await;
     let mut window = windows.next().await;
-    window.say(json!({ "type": "closed" })).await;
+    window.send(json!({ "type": "closed" })).await;
     message(&mut editor, "did not send its version").await;
     window.ended().await;
     assert_eq!(messages(&editor).len(), 2);
@@ -132,17 +138,17 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
     // Noise before the greeting, and behind it, is only logged.
     command(&mut editor, URI, Value::Null).await;
     let mut window = windows.next().await;
-    window.say_line("WARNING: a driver is talking").await;
+    window.send_line("WARNING: a driver is talking").await;
     window.greet().await;
-    window.say_line("{\"type\":\"unheard of\"}").await;
-    window.say_line("{\"type\":\"shown\"").await;
+    window.send_line("{\"type\":\"unheard of\"}").await;
+    window.send_line("{\"type\":\"shown\"").await;
     window
-        .say(json!({ "type": "message", "error": true, "text": "here I am" }))
+        .send(json!({ "type": "message", "error": true, "text": "here I am" }))
         .await;
     message(&mut editor, "here I am").await;
     for part in ["a driver is talking", "unheard of", "not a message"] {
         let logged = editor
-            .heard()
+            .received()
             .any(|m| m["method"] == "window/logMessage" && m.to_string().contains(part));
         assert!(logged, "{part}");
     }
@@ -157,8 +163,8 @@ async fn a_window_that_says_nothing_is_ended() {
     editor.open(URI, PROGRAM).await;
     command(&mut editor, URI, Value::Null).await;
     let mut window = windows.next().await;
-    let told = message(&mut editor, "has not answered").await;
-    assert!(told.contains("0.3 seconds"), "{told}");
+    let received = message(&mut editor, "has not answered").await;
+    assert!(received.contains("0.3 seconds"), "{received}");
     window.ended().await;
     // One that ends before it says anything may not do so silently, whatever its status.
     command(&mut editor, URI, Value::Null).await;
@@ -187,7 +193,7 @@ async fn a_server_that_is_killed_leaves_its_windows() {
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
     kill(editor.process().expect("a process"));
     // The window's input ends without a farewell, and the window lives on.
-    assert_eq!(window.hear().await, None);
+    assert_eq!(window.receive().await, None);
     window.exit(0).await;
 }
 
@@ -201,8 +207,8 @@ async fn an_editor_that_says_goodbye_closes_its_windows_though_they_have_much_to
             editor.change(URI, version, insert(0, 0, "#")).await;
         }
         assert_eq!(editor.quit().await, 0);
-        window.hear_of("close").await;
-        assert_eq!(window.hear().await, None);
+        window.receive_of("close").await;
+        assert_eq!(window.receive().await, None);
         window.exit(0).await;
     }
 }
@@ -216,15 +222,15 @@ async fn an_editor_that_goes_without_a_word_takes_its_windows_along() {
         let mut editor = started(place, "preview-hung-up", &windows).await;
         let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
         assert_eq!(editor.hang_up().await, 1);
-        assert_eq!(window.hear().await, close, "{place:?}");
+        assert_eq!(window.receive().await, close, "{place:?}");
         window.exit(0).await;
     }
     // … it says `exit` and no farewell, …
     let mut editor = started(Place::Binary, "preview-exit", &windows).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
-    editor.tell("exit", Value::Null).await;
+    editor.notify("exit", Value::Null).await;
     assert_eq!(editor.end().await, 1);
-    assert_eq!(window.hear().await, close);
+    assert_eq!(window.receive().await, close);
     window.exit(0).await;
     // … or it is dead, though its end of the pipe stays open.
     let mut parent = std::process::Command::new("sleep");
@@ -236,7 +242,7 @@ async fn an_editor_that_goes_without_a_word_takes_its_windows_along() {
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
     parent.kill().expect("it can be ended");
     parent.wait().expect("it has ended");
-    assert_eq!(window.hear().await, close);
+    assert_eq!(window.receive().await, close);
     assert_eq!(editor.end().await, 1);
     window.exit(0).await;
 }

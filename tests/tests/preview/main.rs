@@ -1,9 +1,9 @@
 //! The language server and its preview windows, which the tests play. The window itself is tested where it is made, and
 //! with real editors.
 
-mod asks;
 mod lives;
-mod told;
+mod messages;
+mod requests;
 
 use serde_json::{Value, json};
 use testing::editor::{Editor, Place};
@@ -55,7 +55,7 @@ async fn command(editor: &mut Editor, uri: &str, view: Value) {
 
 async fn close(editor: &mut Editor, uri: &str) {
     let params = json!({ "textDocument": { "uri": uri } });
-    editor.tell("textDocument/didClose", params).await;
+    editor.notify("textDocument/didClose", params).await;
 }
 
 /// Opens a document and its preview, which has shaken hands and read the text.
@@ -64,20 +64,23 @@ async fn previewed(editor: &mut Editor, windows: &Windows, uri: &str, text: &str
     command(editor, uri, Value::Null).await;
     let mut window = windows.next().await;
     window.greet().await;
-    let told = window.hear_of("text").await;
-    assert_eq!((&told["uri"], &told["text"]), (&json!(uri), &json!(text)));
+    let received = window.receive_of("text").await;
+    assert_eq!(
+        (&received["uri"], &received["text"]),
+        (&json!(uri), &json!(text))
+    );
     window
 }
 
 async fn message(editor: &mut Editor, part: &str) -> String {
     let has = |p: &Value| p["message"].as_str().is_some_and(|m| m.contains(part));
-    let told = editor.notified("window/showMessage", has).await;
-    told["message"].as_str().expect("a sentence").to_owned()
+    let received = editor.notified("window/showMessage", has).await;
+    received["message"].as_str().expect("a sentence").to_owned()
 }
 
 fn messages(editor: &Editor) -> Vec<&Value> {
     let shown = editor
-        .heard()
+        .received()
         .filter(|m| m["method"] == "window/showMessage");
     shown.map(|m| &m["params"]["message"]).collect()
 }

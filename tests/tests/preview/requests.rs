@@ -1,4 +1,4 @@
-//! What becomes of what windows say: declarations to be shown, values to be written, hints.
+//! The requests of windows: declarations to be shown, values to be written, hints.
 
 use serde_json::{Value, json};
 use testing::editor::{Editor, Place};
@@ -16,9 +16,9 @@ async fn a_declaration_is_shown_where_it_stands_now() {
     editor.change(URI, 2, insert(0, 0, "# 𝛼 𝛼\n\n")).await;
     editor.change(URI, 3, insert(4, 0, "  ")).await;
     // The first of them may have been passed by.
-    while window.hear_of("text").await["version"] != 3 {}
+    while window.receive_of("text").await["version"] != 3 {}
     let open = json!({ "type": "open", "version": 1, "range": [name, name + 1] });
-    window.say(open.clone()).await;
+    window.send(open.clone()).await;
     let asked = editor.asked("window/showDocument").await;
     let [start, end] = [10, 11].map(|c| json!({ "line": 4, "character": c }));
     let selection = json!({ "start": start, "end": end });
@@ -28,19 +28,19 @@ async fn a_declaration_is_shown_where_it_stands_now() {
     );
     // Of a text that was never sent no place is known.
     window
-        .say(json!({ "type": "open", "version": 77, "range": [1, 2] }))
+        .send(json!({ "type": "open", "version": 77, "range": [1, 2] }))
         .await;
     let asked = editor.asked("window/showDocument").await;
     assert_eq!(asked, json!({ "uri": URI, "takeFocus": true }));
     assert_eq!(editor.quit().await, 0);
 
-    // An editor that cannot be asked is told.
+    // An editor that cannot be asked is received.
     let mut editor = Editor::start_with(Place::Here, "preview-plain", Some(&windows.program));
     editor.initialize(json!({})).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
-    window.say(open).await;
-    let told = message(&mut editor, "line").await;
-    assert_eq!(told, "a.gtr, line 3, column 9");
+    window.send(open).await;
+    let received = message(&mut editor, "line").await;
+    assert_eq!(received, "a.gtr, line 3, column 9");
     assert_eq!(editor.quit().await, 0);
 }
 
@@ -63,11 +63,11 @@ async fn values_of_params_are_hints_as_long_as_the_window_is_open() {
     for k in 0..1_000 {
         let values = json!({ "r": [f64::from(k) / 1_000.0], "gone": [1.0] });
         window
-            .say(json!({ "type": "values", "version": 1, "values": values }))
+            .send(json!({ "type": "values", "version": 1, "values": values }))
             .await;
     }
     window
-        .say(json!({ "type": "message", "error": false, "text": "all said" }))
+        .send(json!({ "type": "message", "error": false, "text": "all said" }))
         .await;
     message(&mut editor, "all said").await;
     editor.asked("workspace/inlayHint/refresh").await;
@@ -77,13 +77,13 @@ async fn values_of_params_are_hints_as_long_as_the_window_is_open() {
     assert_eq!(found[0]["position"], json!({ "line": 1, "character": 16 }));
     let count = |editor: &Editor| {
         let asked = editor
-            .heard()
+            .received()
             .filter(|m| m["method"] == "workspace/inlayHint/refresh");
         asked.count()
     };
     assert!(count(&editor) < 100, "{}", count(&editor));
 
-    window.say(json!({ "type": "closed" })).await;
+    window.send(json!({ "type": "closed" })).await;
     window.exit(0).await;
     // Hints that nothing stands behind any more are taken away.
     loop {
@@ -105,8 +105,8 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
         |value: Value| json!({ "type": "write", "version": 1, "param": "r", "value": value });
     // The text has moved on, and the edit is one of the text as it is now.
     editor.change(URI, 2, insert(0, 0, "# 𝛼\n")).await;
-    window.hear_of("text").await;
-    window.say(write(json!([0.25]))).await;
+    window.receive_of("text").await;
+    window.send(write(json!([0.25]))).await;
     let asked = editor.asked("workspace/applyEdit").await;
     let place = json!({ "line": 2, "character": 7 });
     let wanted = json!({
@@ -119,23 +119,23 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
     assert_eq!(asked, wanted);
     // The editor makes it; the same value again changes nothing.
     editor.change(URI, 3, insert(2, 7, " = 0.25")).await;
-    window.hear_of("text").await;
-    window.say(write(json!([0.25]))).await;
-    window.say(write(json!([0.5]))).await;
+    window.receive_of("text").await;
+    window.send(write(json!([0.25]))).await;
+    window.send(write(json!([0.5]))).await;
     let asked = editor.asked("workspace/applyEdit").await;
     let edit = &asked["edit"]["documentChanges"][0]["edits"][0];
     assert_eq!(edit["newText"], "0.5");
 
-    // What is refused is told: by the editor, …
+    // What is refused is received: by the editor, …
     editor.applied = json!({ "applied": false, "failureReason": "it is read-only" });
-    window.say(write(json!([0.75]))).await;
-    let told = message(&mut editor, "`r` was not written").await;
-    assert!(told.contains("a.gtr: it is read-only"), "{told}");
+    window.send(write(json!([0.75]))).await;
+    let received = message(&mut editor, "`r` was not written").await;
+    assert!(received.contains("a.gtr: it is read-only"), "{received}");
     // … or by the language.
-    window.say(write(json!([7.0]))).await;
+    window.send(write(json!([7.0]))).await;
     message(&mut editor, "`r` was not written").await;
     window
-        .say(json!({ "type": "write", "version": 1, "param": "s", "value": [1.0] }))
+        .send(json!({ "type": "write", "version": 1, "param": "s", "value": [1.0] }))
         .await;
     message(&mut editor, "`s` was not written").await;
     assert_eq!(editor.quit().await, 0);
@@ -144,7 +144,7 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
     let mut editor = Editor::start_with(Place::Here, "preview-no-edits", Some(&windows.program));
     editor.initialize(json!({})).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
-    window.say(write(json!([0.25]))).await;
+    window.send(write(json!([0.25]))).await;
     message(&mut editor, "does not accept edits").await;
     assert_eq!(editor.quit().await, 0);
 }
@@ -164,7 +164,7 @@ async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
             "position": [0.5, -3.0, 1.0 / 3.0],
         })
     };
-    window.say(write("eye", json!([0, 1, 0]))).await;
+    window.send(write("eye", json!([0, 1, 0]))).await;
     let asked = editor.asked("workspace/applyEdit").await;
     assert_eq!(asked["label"], "Write camera");
     let edit = &asked["edit"]["documentChanges"][0]["edits"][0];
@@ -172,10 +172,10 @@ async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
     let start = json!({ "line": 0, "character": 13 });
     assert_eq!(edit["range"]["start"], start);
     assert_eq!(edit["range"]["end"]["character"], 31);
-    // What no camera can be is told.
-    window.say(write("eye", json!([0, 0, 0]))).await;
+    // What no camera can be is received.
+    window.send(write("eye", json!([0, 0, 0]))).await;
     message(&mut editor, "not zero").await;
-    window.say(write("pi", json!([0, 1, 0]))).await;
+    window.send(write("pi", json!([0, 1, 0]))).await;
     message(&mut editor, "`pi` is not available").await;
     assert_eq!(editor.quit().await, 0);
 }

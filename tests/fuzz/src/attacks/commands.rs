@@ -22,8 +22,12 @@ fn check(run: &Run) -> u64 {
         run.stderr
     );
     assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
-    let told = run.stdout.len() + run.stderr.len();
-    assert!(status == Some(0) || told > 10, "{}: no sentence", run.what);
+    let printed = run.stdout.len() + run.stderr.len();
+    assert!(
+        status == Some(0) || printed > 10,
+        "{}: no sentence",
+        run.what
+    );
     run.peak
 }
 

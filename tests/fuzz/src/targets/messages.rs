@@ -98,11 +98,11 @@ pub(crate) fn conversations() -> Vec<Vec<u8>> {
 
 /// Gives bytes to a language server and closes the stream: it ends, and all that it says is framed JSON.
 pub(crate) fn server(input: &[u8]) {
-    said(input);
+    responses(input);
 }
 
 /// All messages of a language server to an editor that says this.
-pub(super) fn said(input: &[u8]) -> Vec<serde_json::Value> {
+pub(super) fn responses(input: &[u8]) -> Vec<serde_json::Value> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()

@@ -4,7 +4,7 @@ use arbitrary::Unstructured;
 use serde_json::{Value, json};
 use testing::editor::framed;
 
-use super::messages::said;
+use super::messages::responses;
 
 /// The requests that the server knows, and one that it does not.
 const METHODS: &[&str] = &[
@@ -104,14 +104,14 @@ pub(crate) fn run(input: &[u8]) {
     messages.push(json!({ "jsonrpc": "2.0", "id": asked + 1, "method": "shutdown" }));
     messages.push(json!({ "jsonrpc": "2.0", "method": "exit" }));
     let bytes: String = messages.iter().map(|it| framed(&it.to_string())).collect();
-    let said = said(bytes.as_bytes());
+    let responses = responses(bytes.as_bytes());
     for id in 0..=asked + 1 {
         let is_answer = |it: &&Value| it.get("method").is_none() && it["id"] == id;
-        let answers: Vec<&Value> = said.iter().filter(is_answer).collect();
+        let answers: Vec<&Value> = responses.iter().filter(is_answer).collect();
         assert_eq!(
             answers.len(),
             1,
-            "answers to {id} of {messages:?}: {said:?}"
+            "answers to {id} of {messages:?}: {responses:?}"
         );
         let answer = answers[0].as_object().expect("an object");
         let is_told = answer.contains_key("result") || answer["error"]["message"].is_string();
