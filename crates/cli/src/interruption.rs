@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// True if the first signal only requests an end.
-static IS_HEARD: AtomicBool = AtomicBool::new(false);
+static REQUESTS_END_FIRST: AtomicBool = AtomicBool::new(false);
 /// Set once that signal has arrived.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -31,8 +31,8 @@ pub(crate) fn ask_first(ask: impl Fn() -> bool + Send + 'static) {
 }
 
 /// Makes the first signal only request an end, which [`is_interrupted`] reports; the second one ends the program.
-pub(crate) fn hear() {
-    IS_HEARD.store(true, Ordering::Relaxed);
+pub(crate) fn ask_for_end_first() {
+    REQUESTS_END_FIRST.store(true, Ordering::Relaxed);
 }
 
 /// Returns true once an end has been requested.
@@ -43,7 +43,7 @@ pub(crate) fn is_interrupted() -> bool {
 /// Handles a signal; `end` ends the program.
 #[cfg(any(unix, windows))]
 fn take(end: impl FnOnce()) {
-    if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
+    if REQUESTS_END_FIRST.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
         return;
     }
     let ask = ASK.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -626,14 +626,14 @@ fn a_colour_that_is_not_shown_is_told() {
         surface s(u, v) = (u, v, 2), u : [0, 1], v : [0, 1], color : (u, v, 0); \
         curve c(t) = (t, 0, 3), t : [0, 1], color : (1, 0, 0); point p = (0, 0, 2);";
     let folder = folder(&[("a.gtr", text)]);
-    for (name, is_told) in [("b", true), ("c", true), ("s", false), ("p", false)] {
+    for (name, is_noted) in [("b", true), ("c", true), ("s", false), ("p", false)] {
         let colour = format!("{name}=#ff0000");
         let arguments = [
             "render", "a.gtr", "-o", "a.png", "--size", "40x30", "--colour", &colour,
         ];
         let run = run(folder.path(), &arguments, "");
         assert_eq!(run.status, 0, "{}", run.stderr);
-        let told = format!("--colour {name}: the program states a `color`");
-        assert_eq!(run.stderr.contains(&told), is_told, "{}", run.stderr);
+        let note = format!("--colour {name}: the program states a `color`");
+        assert_eq!(run.stderr.contains(&note), is_noted, "{}", run.stderr);
     }
 }

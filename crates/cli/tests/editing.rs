@@ -9,7 +9,7 @@ use tempfile::TempDir;
 const UNTIDY: &str = "define   a=1 ;define b = a+1; # twice\n";
 const TIDY: &str = "define a = 1;\ndefine b = a + 1; # twice\n";
 
-/// The status, what was said, and what was complained of.
+/// The status, the standard output and the standard error.
 fn run(folder: &Path, arguments: &[&str], input: &[u8]) -> (i32, String, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_geotrace"))
         .current_dir(folder)
@@ -46,8 +46,8 @@ fn content(folder: &TempDir, name: &str) -> String {
 fn files_are_laid_out_in_place_and_silently() {
     let folder = folder(&[("a.gtr", UNTIDY.as_bytes()), ("b.gtr", TIDY.as_bytes())]);
     let before = std::fs::metadata(folder.path().join("b.gtr")).and_then(|it| it.modified());
-    let said = run(folder.path(), &["format", "a.gtr", "b.gtr"], b"");
-    assert_eq!(said, (0, String::new(), String::new()));
+    let printed = run(folder.path(), &["format", "a.gtr", "b.gtr"], b"");
+    assert_eq!(printed, (0, String::new(), String::new()));
     assert_eq!(content(&folder, "a.gtr"), TIDY);
     assert_eq!(content(&folder, "b.gtr"), TIDY);
     // What is laid out already is not written.
@@ -60,10 +60,10 @@ fn files_are_laid_out_in_place_and_silently() {
 #[test]
 fn standard_input_is_laid_out_on_standard_output() {
     let folder = folder(&[]);
-    let said = run(folder.path(), &["format", "-"], UNTIDY.as_bytes());
-    assert_eq!(said, (0, TIDY.to_owned(), String::new()));
-    let said = run(folder.path(), &["format", "-"], b"");
-    assert_eq!(said, (0, String::new(), String::new()));
+    let printed = run(folder.path(), &["format", "-"], UNTIDY.as_bytes());
+    assert_eq!(printed, (0, TIDY.to_owned(), String::new()));
+    let printed = run(folder.path(), &["format", "-"], b"");
+    assert_eq!(printed, (0, String::new(), String::new()));
     let (status, out, error) = run(folder.path(), &["format", "-", "-"], b"");
     assert_eq!((status, out.as_str()), (2, ""));
     assert!(error.contains("only once"), "{error}");
@@ -79,8 +79,8 @@ fn a_check_names_what_is_laid_out_otherwise_and_changes_nothing() {
         "{error}"
     );
     assert_eq!(content(&folder, "a.gtr"), UNTIDY);
-    let said = run(folder.path(), &["format", "--check", "b.gtr"], b"");
-    assert_eq!(said, (0, String::new(), String::new()));
+    let printed = run(folder.path(), &["format", "--check", "b.gtr"], b"");
+    assert_eq!(printed, (0, String::new(), String::new()));
     let (status, out, _) = run(
         folder.path(),
         &["format", "--check", "-"],
@@ -150,7 +150,7 @@ fn both_commands_are_found_by_their_help() {
 fn a_server_whose_input_ends_at_once_ends_with_1_and_says_nothing() {
     let folder = folder(&[]);
     for arguments in [&["lsp"][..], &["lsp", "--stdio"]] {
-        let said = run(folder.path(), arguments, b"");
-        assert_eq!(said, (1, String::new(), String::new()));
+        let printed = run(folder.path(), arguments, b"");
+        assert_eq!(printed, (1, String::new(), String::new()));
     }
 }

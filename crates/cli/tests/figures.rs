@@ -48,9 +48,9 @@ fn render(folder: &Path, options: &str) -> Output {
 /// The bytes of the picture that some options draw.
 fn picture(folder: &Path, options: &str) -> Vec<u8> {
     let output = render(folder, &format!("-o out.png {options}"));
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{options}: {told}");
-    assert!(!told.contains("belongs to"), "{options}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{options}: {printed}");
+    assert!(!printed.contains("belongs to"), "{options}: {printed}");
     std::fs::read(folder.join("out.png")).expect("a picture")
 }
 
@@ -82,10 +82,10 @@ fn without_a_memory_there_is_a_sentence() {
     let folder = folder();
     let failed = |wanted: &str| {
         let output = render(folder.path(), "-o out.png --like-window");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{told}");
-        assert!(told.contains(wanted), "{told}");
-        assert!(told.contains("geotrace show a.gtr"), "{told}");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{printed}");
+        assert!(printed.contains(wanted), "{printed}");
+        assert!(printed.contains("geotrace show a.gtr"), "{printed}");
         assert!(!folder.path().join("out.png").exists());
     };
     failed("the window has no saved view of this program");
@@ -158,9 +158,9 @@ fn figures_and_paths_are_drawn_as_the_window_shows_them() {
     }
     let refused = |options: &str, wanted: &str| {
         let output = render(folder, &format!("-o out.png {options}"));
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains(wanted), "{told}");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{printed}");
+        assert!(printed.contains(wanted), "{printed}");
     };
     refused("--figure c=place:0,0", "c");
     refused("--figure s=place:0,9", "--figure s=place");
@@ -178,8 +178,8 @@ fn a_path_is_as_long_as_it_is_on_the_surface_of_each_frame() {
         folder,
         &format!("-o f.png {shown} {camera} --animate a=1:3 --frames 2"),
     );
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{printed}");
     let still = picture(folder, &format!("{shown} {camera} --set a=3"));
     assert!(std::fs::read(folder.join("f-0002.png")).expect("a frame") == still);
 }
@@ -194,7 +194,7 @@ fn a_camera_on_a_solid_is_shown_and_its_way_is_refused() {
     std::fs::write(folder.join(".a.gtr.geotrace.json"), REMEMBERED).expect("writing");
     picture(folder, "--view geodesic:q --like-window");
     let output = render(folder, "-o out.png --view geodesic:q --walk 1 --trail");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("--trail"), "{told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{printed}");
+    assert!(printed.contains("--trail"), "{printed}");
 }

@@ -35,7 +35,7 @@ fn geotrace(folder: &Path, options: &str, path: Option<&Path>) -> Output {
         .expect("the binary starts")
 }
 
-fn told(output: &Output) -> String {
+fn printed(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -73,7 +73,7 @@ fn the_lines_of_a_figure_lie_on_those_of_the_picture_and_end_where_they_are_hidd
             &format!("-o {file} --backend software {VIEW}"),
             None,
         );
-        assert!(output.status.success(), "{}", told(&output));
+        assert!(output.status.success(), "{}", printed(&output));
     }
     let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
     assert!(svg.contains("<title>a &amp; b.gtr</title>"));
@@ -133,7 +133,7 @@ fn a_figure_is_whole_as_pdf_and_names_are_text_in_svg() {
     for file in ["out.pdf", "out.svg"] {
         let options = format!("-o {file} {VIEW} --labels --axes --background transparent");
         let output = geotrace(folder.path(), &options, None);
-        assert!(output.status.success(), "{}", told(&output));
+        assert!(output.status.success(), "{}", printed(&output));
     }
     let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
     for name in ["wall", "behind", "on", "x", "z"] {
@@ -172,12 +172,12 @@ fn a_figure_is_one_picture_and_has_its_own_backend() {
             output.status.code(),
             Some(2),
             "{options}: {}",
-            told(&output)
+            printed(&output)
         );
         assert!(
-            told(&output).contains(wanted),
+            printed(&output).contains(wanted),
             "{options}: {}",
-            told(&output)
+            printed(&output)
         );
     };
     refused(
@@ -192,9 +192,9 @@ fn a_figure_is_one_picture_and_has_its_own_backend() {
         None,
     );
     assert!(
-        told(&inside).contains("the file contains its pixels"),
+        printed(&inside).contains("the file contains its pixels"),
         "{}",
-        told(&inside)
+        printed(&inside)
     );
     assert!(inside.status.success());
 }
@@ -234,11 +234,11 @@ fn ffmpeg_receives_every_picture_and_what_to_do_with_them() {
     for (name, codec) in [("out.mp4", "libx264"), ("out.webm", "libvpx-vp9")] {
         let options = format!("-o {name} --size 15x10 --animate a=0:1 --frames 4 --fps 12.5");
         let output = geotrace(folder.path(), &options, Some(tools.path()));
-        assert!(output.status.success(), "{}", told(&output));
+        assert!(output.status.success(), "{}", printed(&output));
         assert!(
-            told(&output).contains("4 pictures, 0.32 s long"),
+            printed(&output).contains("4 pictures, 0.32 s long"),
             "{}",
-            told(&output)
+            printed(&output)
         );
         let written = std::fs::read(folder.path().join(name)).expect("a file");
         let end = written
@@ -266,9 +266,9 @@ fn a_video_that_fails_leaves_nothing_and_says_why() {
     let run = |path: &Path| {
         let options = "-o out.mp4 --size 15x10 --animate a=0:1 --frames 4";
         let output = geotrace(folder.path(), options, Some(path));
-        assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+        assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
         assert_eq!(names(&folder), ["a & b.gtr"]);
-        told(&output)
+        printed(&output)
     };
     let tools = with_ffmpeg("cat > /dev/null; echo 'Unknown encoder libx264' >&2; exit 1");
     assert!(run(tools.path()).contains("Unknown encoder libx264"));
@@ -325,10 +325,10 @@ fn without_a_gpu_nothing_but_the_summary_is_printed() {
         .args(["render", "a & b.gtr", "-o", "out.png", "--size", "20x20"])
         .output()
         .expect("the binary starts");
-    let told = told(&output);
-    assert!(output.status.success(), "{told}");
-    assert!(told.starts_with("out.png: 3D view"), "{told}");
-    assert_eq!(told.lines().count(), 1, "{told}");
+    let printed = printed(&output);
+    assert!(output.status.success(), "{printed}");
+    assert!(printed.starts_with("out.png: 3D view"), "{printed}");
+    assert_eq!(printed.lines().count(), 1, "{printed}");
 }
 
 #[test]
@@ -342,7 +342,7 @@ curve rising(t) = (t, 2, t), t : [-20, 20]; curve falling(t) = (t, 2, 1 - t), t 
     let view = "--theme print --eye 3,-9,4 --target 0.8,0,0.8 --size 400x300 --texture wall=curvature --axes --labels";
     let draw = |file: &str, legend: &str| {
         let output = geotrace(folder.path(), &format!("-o {file} {view} {legend}"), None);
-        assert!(output.status.success(), "{}", told(&output));
+        assert!(output.status.success(), "{}", printed(&output));
         folder.path().join(file)
     };
     let [without, with] = ["", "--legend"].map(|legend| {
@@ -394,7 +394,7 @@ fn hidden_parts_of_lines_are_dashed_where_they_are_wanted() {
         ("dashed.pdf", "--hidden-lines"),
     ] {
         let output = draw(file, options);
-        assert!(output.status.success(), "{}", told(&output));
+        assert!(output.status.success(), "{}", printed(&output));
     }
     let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).expect("a text");
     let [plain, dashed] = ["plain.svg", "dashed.svg"].map(read);
@@ -418,8 +418,8 @@ fn hidden_parts_of_lines_are_dashed_where_they_are_wanted() {
     let refused = draw("dashed.png", "--hidden-lines");
     assert_eq!(refused.status.code(), Some(2));
     assert!(
-        told(&refused).contains(".svg or a .pdf"),
+        printed(&refused).contains(".svg or a .pdf"),
         "{}",
-        told(&refused)
+        printed(&refused)
     );
 }

@@ -290,10 +290,10 @@ mod tests {
             let other = changes(&mut random, &second);
             let third = other.apply(&second).expect("of this text");
             let both = one.then(&other);
-            let told = format!("{first:?} {one:?} {other:?}: {both:?}");
-            assert_eq!(both.apply(&first).as_ref(), Some(&third), "{told}");
+            let context = format!("{first:?} {one:?} {other:?}: {both:?}");
+            assert_eq!(both.apply(&first).as_ref(), Some(&third), "{context}");
             let ends: Vec<_> = both.iter().map(|it| it.range).collect();
-            assert!(ends.is_sorted_by(|a, b| a[1] < b[0]), "{told}");
+            assert!(ends.is_sorted_by(|a, b| a[1] < b[0]), "{context}");
         }
     }
 

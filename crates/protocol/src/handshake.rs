@@ -140,7 +140,7 @@ mod tests {
             program: "9.9.9".to_owned(),
         };
         let error = check(&Event::Hello(theirs.clone())).expect_err("another version");
-        let told = error.to_string();
+        let message = error.to_string();
         for part in [
             "preview window (geotrace 9.9.9)",
             &format!("speaks version {}", VERSION + 7),
@@ -150,11 +150,12 @@ mod tests {
             ),
             &format!("speaks version {VERSION}"),
         ] {
-            assert!(told.contains(part), "{part:?} in {told}");
+            assert!(message.contains(part), "{part:?} in {message}");
         }
-        let told = check(&Command::Hello(theirs)).expect_err("another version");
+        let message = check(&Command::Hello(theirs)).expect_err("another version");
         assert!(
-            told.to_string()
+            message
+                .to_string()
                 .starts_with("The language server (geotrace 9.9.9)")
         );
     }

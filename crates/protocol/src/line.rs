@@ -293,10 +293,10 @@ mod tests {
             write(&mut bytes, event).expect("memory takes it");
         }
         let all = read(&bytes);
-        for (event, heard) in events.iter().zip(&all) {
+        for (event, received) in events.iter().zip(&all) {
             assert!(
-                matches!(heard, Ok(Some(heard)) if heard == event),
-                "{heard:?}"
+                matches!(received, Ok(Some(received)) if received == event),
+                "{received:?}"
             );
         }
         assert_eq!(all.len(), events.len() + 1);

@@ -17,12 +17,12 @@ const ALLOWANCE: usize = 16 << 20;
 #[derive(Clone, Debug)]
 pub(crate) struct Sampled {
     pub(crate) samples: Arc<Samples>,
-    told: Told,
+    notes: SampleNotes,
 }
 
 /// Notes for the reader of a picture.
 #[derive(Clone, Debug)]
-enum Told {
+enum SampleNotes {
     /// The number of samples, the number of undefined ones, and sentences about the geodesics whose values it reads.
     Counts(usize, usize, Vec<String>),
     /// Sentences; they contain the object's name, and so does its content.
@@ -63,16 +63,16 @@ impl SampleStore {
         let (samples, notes) = sample::sample_with_notes(scene, params, id, placement);
         let (all, undefined) = samples.undefined();
         let object = &scene.objects[id.index()];
-        let told = if object.shape.is_geodesic() {
-            Told::Notes(notes)
+        let notes = if object.shape.is_geodesic() {
+            SampleNotes::Notes(notes)
         } else {
             // The first sentence contains the object's name.
-            Told::Counts(all, undefined, notes.into_iter().skip(1).collect())
+            SampleNotes::Counts(all, undefined, notes.into_iter().skip(1).collect())
         };
         let bytes = bytes(&samples);
         let sampled = Sampled {
             samples: Arc::new(samples),
-            told,
+            notes,
         };
         // Objects without samples in space required no work.
         self.sampled += u64::from(all > 0);
@@ -94,9 +94,9 @@ impl SampleStore {
 impl Sampled {
     /// Returns the notes on the object for the reader of the picture.
     pub(crate) fn notes(&self, object: &Object) -> Vec<String> {
-        match &self.told {
-            Told::Notes(notes) => notes.clone(),
-            Told::Counts(all, undefined, reasons) => {
+        match &self.notes {
+            SampleNotes::Notes(notes) => notes.clone(),
+            SampleNotes::Counts(all, undefined, reasons) => {
                 let left_out = sample::left_out(object);
                 let note = || sample::note(&object.name, *all, *undefined);
                 let first = left_out.or_else(note).into_iter();

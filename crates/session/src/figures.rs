@@ -19,7 +19,7 @@ pub fn measured(surface: &dyn Surface, subject: &Subject, figure: &Figure) -> Me
     let figure = Arc::new(figure.clone());
     let finding = measure(surface, &figure);
     let lines = lines(surface, subject.surface, &figure, finding.as_ref().ok());
-    let told = match &finding {
+    let measured = match &finding {
         Ok(FigureMeasures::Place(found)) => place_rows(surface, subject.chart_label(), found),
         Ok(FigureMeasures::Distance(all)) => distance_rows(all),
         Ok(FigureMeasures::Circle(radius, found)) => circle_rows(*radius, found),
@@ -34,7 +34,7 @@ pub fn measured(surface: &dyn Surface, subject: &Subject, figure: &Figure) -> Me
             ..Measured::default()
         },
     };
-    Measured { lines, ..told }
+    Measured { lines, ..measured }
 }
 
 fn place_rows(surface: &dyn Surface, chart: String, found: &PlaceMeasures) -> Measured {

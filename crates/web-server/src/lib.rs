@@ -32,7 +32,8 @@ impl LanguageServer {
     }
 
     /// Receives a message of the editor.
-    pub fn hear(&self, message: &str) {
+    #[wasm_bindgen(js_name = hear)]
+    pub fn receive(&self, message: &str) {
         self.0.receive(message);
     }
 
@@ -43,7 +44,7 @@ impl LanguageServer {
 
     /// Returns the messages to the editor since the last call.
     #[wasm_bindgen(js_name = takeSaid)]
-    pub fn take_said(&self) -> Vec<String> {
+    pub fn take_outgoing(&self) -> Vec<String> {
         self.0.take_outgoing()
     }
 }

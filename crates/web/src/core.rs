@@ -57,13 +57,13 @@ pub struct Core {
     attention: Attention,
     /// True if the text has changed since it was compiled.
     is_unread: bool,
-    told: Told,
+    sent: SentState,
     events: Vec<CoreEvent>,
 }
 
 /// The last state that was sent to the page.
 #[derive(Debug, Default)]
-struct Told {
+struct SentState {
     /// True if the scene may differ from the one that was sent.
     is_stale: bool,
     scene: Option<SceneInfo>,
@@ -91,7 +91,7 @@ impl Core {
             now: 0.0,
             attention: Attention::default(),
             is_unread: false,
-            told: Told::default(),
+            sent: SentState::default(),
             events: Vec::new(),
         }
     }
@@ -221,7 +221,7 @@ impl Core {
         self.library.source.give(path.clone(), Arc::clone(&texture));
         self.library.put(path, ImageState::Ready(texture));
         self.library.look_again();
-        self.told.is_stale = true;
+        self.sent.is_stale = true;
         Ok(json!({ "width": size[0], "height": size[1] }))
     }
 
@@ -240,8 +240,8 @@ impl Core {
         self.editing = Editing::open(&self.languages, name, text, version)?;
         self.model.forget_program();
         self.model.turn_to(view);
-        self.told.settings.clone_from(&self.model.view);
-        self.told.scene = None;
+        self.sent.settings.clone_from(&self.model.view);
+        self.sent.scene = None;
         // Other bounds, other samples: nothing of another program's pictures can be reused.
         self.renderer = Renderer::software().with_views(self.views.clone());
         self.pictures.forget();
@@ -297,29 +297,29 @@ impl Core {
         let is_fresh = compiled.scene.is_some();
         self.model.take(compiled);
         self.library.look_again();
-        self.told.is_stale = true;
+        self.sent.is_stale = true;
         is_fresh
     }
 
     /// Ends temporary states whose time has come. Returns the next time at which one ends.
     fn let_end(&mut self) -> Option<f64> {
         if self.attention.advance(&mut self.model, self.now) {
-            self.told.is_stale = true;
+            self.sent.is_stale = true;
         }
         self.attention.next_end(&self.model)
     }
 
     /// Sends the page what it does not know: the scene at once, settings when nothing moves.
-    fn tell(&mut self) {
-        if std::mem::take(&mut self.told.is_stale) {
+    fn send_changes(&mut self) {
+        if std::mem::take(&mut self.sent.is_stale) {
             let scene = self.scene_info();
-            if self.told.scene.as_ref() != Some(&scene) {
-                self.told.scene = Some(scene.clone());
+            if self.sent.scene.as_ref() != Some(&scene) {
+                self.sent.scene = Some(scene.clone());
                 self.events.push(CoreEvent::Scene(Box::new(scene)));
             }
         }
-        if !self.is_moving() && self.told.settings != self.model.view {
-            self.told.settings.clone_from(&self.model.view);
+        if !self.is_moving() && self.sent.settings != self.model.view {
+            self.sent.settings.clone_from(&self.model.view);
             let settings = self.settings();
             self.events.push(CoreEvent::Settings { settings });
         }
@@ -328,7 +328,7 @@ impl Core {
     /// Undoes a step, or redoes it.
     fn travel(&mut self, step: impl FnOnce(&mut Model) -> Option<&'static str>) -> Value {
         let title = step(&mut self.model);
-        self.told.is_stale = true;
+        self.sent.is_stale = true;
         self.note_motion();
         json!(title)
     }

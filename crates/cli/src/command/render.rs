@@ -262,7 +262,7 @@ fn draw(
                 });
             }
         }
-        interruption::hear();
+        interruption::ask_for_end_first();
     }
     if arguments.space.hidden_lines && print.is_none() {
         return Err(Failure::usage(

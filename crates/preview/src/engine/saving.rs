@@ -150,8 +150,8 @@ mod tests {
         // What is no text is somebody's, too; what is gone is written anew.
         editor.text = "mine".into();
         std::fs::write(&editor.path, [0xff]).expect("written");
-        let told = save(&mut editor).expect_err("not over it");
-        assert!(told.contains("it is not UTF-8"), "{told}");
+        let error = save(&mut editor).expect_err("not over it");
+        assert!(error.contains("it is not UTF-8"), "{error}");
         assert_eq!(std::fs::read(&editor.path).expect("a file"), [0xff]);
         std::fs::remove_file(&editor.path).expect("removed");
         assert_eq!(save(&mut editor), Ok(Saved::Written));

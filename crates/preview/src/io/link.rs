@@ -87,8 +87,8 @@ impl Link {
     }
 
     /// Sends an event to the server, without waiting.
-    pub(crate) fn say(&self, event: Event) {
-        self.outbox.say(event);
+    pub(crate) fn send(&self, event: Event) {
+        self.outbox.send(event);
     }
 }
 
@@ -99,7 +99,7 @@ impl Drop for Link {
 }
 
 impl Outbox {
-    fn say(&self, event: Event) {
+    fn send(&self, event: Event) {
         let kind = match &event {
             Event::Values { .. } => EventKind::Values,
             Event::Shown { .. } => EventKind::Shown,
@@ -161,7 +161,7 @@ impl FollowedText {
         };
         let Some(edited) = edited else {
             self.follower.wait();
-            outbox.say(Event::TextWanted);
+            outbox.send(Event::TextWanted);
             return false;
         };
         self.text = edited.into();
@@ -193,7 +193,7 @@ fn read_greeting(
 ) -> Result<(), DisconnectReason> {
     handshake::check(&next_command(reader)?).map_err(|error| {
         let text = error.to_string();
-        outbox.say(Event::Message {
+        outbox.send(Event::Message {
             error: true,
             text: text.clone(),
         });

@@ -376,7 +376,7 @@ mod tests {
         std::fs::write(&beside, "{ not json").expect("written");
         let (loaded, sentence) = load(&program);
         assert_eq!(loaded, Known::default());
-        assert!(sentence.expect("told").contains("it is kept as"));
+        assert!(sentence.expect("a sentence").contains("it is kept as"));
         save(&program, &known()).expect("written");
         let kept = beside.with_extension("json.unreadable");
         assert_eq!(std::fs::read_to_string(kept).expect("kept"), "{ not json");
@@ -411,7 +411,7 @@ mod tests {
         std::fs::write(&other, text).expect("written");
         std::os::unix::fs::symlink(&other, &beside).expect("a link");
         let (_, sentence) = load(&program);
-        assert!(sentence.expect("told").contains("it is a link"));
+        assert!(sentence.expect("a sentence").contains("it is a link"));
         save(&program, &known()).expect("written");
         assert_eq!(std::fs::read_to_string(&other).expect("kept"), text);
         assert_eq!(load(&program).0, known());
@@ -423,6 +423,11 @@ mod tests {
         let program = folder.path().join("a.gtr");
         let beside = place(&program).expect("a name");
         std::fs::write(&beside, r#"{"format": 99, "view": {}}"#).expect("written");
-        assert!(load(&program).1.expect("told").contains("later version"));
+        assert!(
+            load(&program)
+                .1
+                .expect("a sentence")
+                .contains("later version")
+        );
     }
 }

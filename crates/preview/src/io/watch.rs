@@ -204,12 +204,12 @@ mod tests {
         (watch, received)
     }
 
-    /// Waits until the file is told to have a text, or none.
+    /// Waits until the file is reported to have a text, or none.
     fn until(received: &Receiver<ChangedFile>, text: Option<&str>) {
         loop {
-            let changed = received.recv_timeout(LONG).expect("the change is told");
+            let changed = received.recv_timeout(LONG).expect("the change is reported");
             match (changed.text, text) {
-                (Ok(told), Some(text)) if told == text => return,
+                (Ok(reported), Some(text)) if reported == text => return,
                 (Err(Unreadable::Missing(_)), None) => return,
                 _ => {}
             }

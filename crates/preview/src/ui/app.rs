@@ -339,7 +339,7 @@ impl App for Preview {
             if let Some(sentence) = window.text.rescue() {
                 eprintln!("{sentence}");
             }
-            window.text.say(protocol::Event::Closed);
+            window.text.send(protocol::Event::Closed);
         }
     }
 }
@@ -412,9 +412,9 @@ mod tests {
                 reason: "no such display".to_owned(),
             }),
         });
-        let told = ended.expect_err("it is refused").to_string();
+        let message = ended.expect_err("it is refused").to_string();
         for part in ["no such display", "the unsaved text is in `"] {
-            assert!(told.contains(part), "{told}");
+            assert!(message.contains(part), "{message}");
         }
         assert_eq!(text(folder, "a.unsaved.gtr"), MINE);
     }
@@ -451,8 +451,8 @@ mod tests {
 
     #[test]
     fn what_the_system_says_is_told_without_a_place_in_a_source() {
-        let told = "os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
-        assert_eq!(in_words(told), "Failed to connect");
+        let message = "os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
+        assert_eq!(in_words(message), "Failed to connect");
         assert_eq!(in_words("no display: none"), "no display: none");
     }
 }

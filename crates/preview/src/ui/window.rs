@@ -320,7 +320,7 @@ impl Window {
             store.keep(&self.model.view, drawn, kind, layout.as_ref());
         }
         self.wake_in_time(ui);
-        self.tell();
+        self.report_shown();
         let is_settled = self.is_settled();
         self.records.note_frame(&mut self.model, is_settled);
     }

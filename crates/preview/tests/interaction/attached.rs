@@ -1,4 +1,4 @@
-//! A window that an editor's server feeds: what it is told, what it tells.
+//! A window that an editor's server feeds: what it receives, and what it sends.
 
 use std::io::{BufRead, BufReader, PipeReader, PipeWriter, Write};
 use std::sync::mpsc::{Receiver, channel};
@@ -16,14 +16,14 @@ struct Desk {
     harness: Harness<'static, Window>,
     server: Option<PipeWriter>,
     events: Receiver<Event>,
-    heard: Vec<Event>,
+    received: Vec<Event>,
 }
 
 impl Desk {
     fn new() -> Self {
         let (input, mut server) = std::io::pipe().expect("a pipe");
         let (listener, output) = std::io::pipe().expect("a pipe");
-        say(&mut server, &Command::Hello(Hello::own()));
+        write(&mut server, &Command::Hello(Hello::own()));
         let (sender, events) = channel();
         std::thread::spawn(move || listen(listener, &sender));
         let mut ends = Some((input, output));
@@ -49,12 +49,12 @@ impl Desk {
             harness,
             server: Some(server),
             events,
-            heard: Vec::new(),
+            received: Vec::new(),
         }
     }
 
-    fn tell(&mut self, command: &Command) {
-        say(self.server.as_mut().expect("not closed"), command);
+    fn send(&mut self, command: &Command) {
+        write(self.server.as_mut().expect("not closed"), command);
     }
 
     fn text(&mut self, version: i32, text: &str) {
@@ -62,7 +62,7 @@ impl Desk {
     }
 
     fn text_of(&mut self, uri: &str, path: Option<&str>, version: i32, text: &str) {
-        self.tell(&Command::Text {
+        self.send(&Command::Text {
             uri: uri.to_owned(),
             path: path.map(str::to_owned),
             version,
@@ -71,15 +71,15 @@ impl Desk {
     }
 
     fn show_inside(&mut self, surface: &str) {
-        self.tell(&Command::Show {
+        self.send(&Command::Show {
             view: Some(View::of_object("geodesic", surface)),
         });
     }
 
     /// The sentences for the user so far.
     fn messages(&self) -> Vec<&str> {
-        let heard = self.heard.iter();
-        let texts = heard.filter_map(|event| match event {
+        let received = self.received.iter();
+        let texts = received.filter_map(|event| match event {
             Event::Message { text, .. } => Some(text.as_str()),
             _ => None,
         });
@@ -91,7 +91,7 @@ impl Desk {
         loop {
             self.harness.step();
             while let Ok(event) = self.events.try_recv() {
-                self.heard.push(event);
+                self.received.push(event);
             }
             if holds(self) {
                 return;
@@ -99,14 +99,14 @@ impl Desk {
             assert!(
                 begun.elapsed() < Duration::from_secs(60),
                 "{what}: {:?}",
-                self.heard
+                self.received
             );
             std::thread::sleep(Duration::from_millis(2));
         }
     }
 
     fn shown(&self, wanted: i32) -> Option<bool> {
-        self.heard.iter().find_map(|event| match event {
+        self.received.iter().find_map(|event| match event {
             Event::Shown { version, ok, .. } if *version == wanted => Some(*ok),
             _ => None,
         })
@@ -120,7 +120,7 @@ impl Desk {
     }
 }
 
-fn say(server: &mut PipeWriter, command: &Command) {
+fn write(server: &mut PipeWriter, command: &Command) {
     let mut line = serde_json::to_vec(command).expect("a message");
     line.push(b'\n');
     server.write_all(&line).expect("read");
@@ -136,18 +136,18 @@ fn listen(listener: PipeReader, sender: &std::sync::mpsc::Sender<Event>) {
 }
 
 #[test]
-fn a_text_is_shown_and_its_version_told_and_an_error_too() {
+fn a_text_is_shown_and_its_version_reported_and_an_error_too() {
     let mut desk = Desk::new();
     desk.text(1, SPHERE);
     desk.until("version 1 is shown", |desk| desk.shown(1) == Some(true));
-    desk.until("values are told", |desk| {
-        desk.heard
+    desk.until("values are sent", |desk| {
+        desk.received
             .iter()
             .any(|event| matches!(event, Event::Values { values, .. } if values["r"] == [1.0]))
     });
     desk.text(2, "surface s(u,v) = (u, ");
     desk.until("version 2 has errors", |desk| desk.shown(2) == Some(false));
-    desk.until("it is told after a pause", |desk| {
+    desk.until("it is reported after a pause", |desk| {
         desk.shows("out of date until the errors are fixed")
     });
     desk.text(3, SPHERE);
@@ -172,7 +172,7 @@ fn the_cursor_highlights_a_double_click_opens_and_a_value_is_written() {
     desk.text(7, SPHERE);
     desk.until("it is shown", |desk| desk.shown(7) == Some(true));
     let offset = SPHERE.find("point p").expect("there") as u32 + 6;
-    desk.tell(&Command::Cursor { version: 7, offset });
+    desk.send(&Command::Cursor { version: 7, offset });
     desk.until("p is highlighted", |desk| {
         desk.harness.state().model().highlighted.as_deref() == Some("p")
     });
@@ -197,7 +197,7 @@ fn the_cursor_highlights_a_double_click_opens_and_a_value_is_written() {
         desk.harness.step();
     }
     desk.until("its declaration is asked for", |desk| {
-        desk.heard
+        desk.received
             .iter()
             .any(|event| matches!(event, Event::Open { .. }))
     });
@@ -206,7 +206,7 @@ fn the_cursor_highlights_a_double_click_opens_and_a_value_is_written() {
         version: 7,
         range: [start, start + 1],
     };
-    assert!(desk.heard.contains(&open), "{:?}", desk.heard);
+    assert!(desk.received.contains(&open), "{:?}", desk.received);
 
     desk.harness.get_by_label("More for r").click();
     desk.harness.run_steps(3);
@@ -217,7 +217,7 @@ fn the_cursor_highlights_a_double_click_opens_and_a_value_is_written() {
         value: vec![1.0],
     };
     desk.until("the value is to be written", |desk| {
-        desk.heard.contains(&write)
+        desk.received.contains(&write)
     });
 }
 
@@ -251,7 +251,7 @@ fn a_view_of_no_surface_is_answered_with_a_sentence_and_opens_nothing() {
     for version in 1..=2 {
         desk.text(version, SPHERE);
         desk.show_inside("nosuch");
-        desk.until("it is told", |desk| {
+        desk.until("it is reported", |desk| {
             desk.messages().len() == version as usize
         });
         desk.until("it is shown", |desk| desk.shown(version) == Some(true));
@@ -262,10 +262,10 @@ fn a_view_of_no_surface_is_answered_with_a_sentence_and_opens_nothing() {
     assert!(desk.shows(wanted), "and in the window");
     // What is no surface is none, and a program may have none at all.
     desk.show_inside("p");
-    desk.until("it is told", |desk| desk.messages().len() == 3);
+    desk.until("it is reported", |desk| desk.messages().len() == 3);
     desk.text(3, &SPHERE.replace("r + 1)", ""));
     desk.show_inside("t");
-    desk.until("it is told", |desk| desk.messages().len() == 4);
+    desk.until("it is reported", |desk| desk.messages().len() == 4);
     let wanted = "There is no surface, metric or solid `t`: the program has s, and errors.";
     assert_eq!(desk.messages()[3], wanted);
 }
@@ -309,13 +309,13 @@ fn the_window_is_called_like_its_document() {
 }
 
 #[test]
-fn a_server_that_is_gone_is_told_and_the_picture_stays() {
+fn a_server_that_is_gone_is_reported_and_the_picture_stays() {
     let mut desk = Desk::new();
     desk.text(1, SPHERE);
     desk.until("it is shown", |desk| desk.shown(1) == Some(true));
     drop(desk.server.take());
-    let told = "The language server has exited; the picture shows its last text.";
-    desk.until("it is told", |desk| desk.shows(told));
+    let sentence = "The language server has exited; the picture shows its last text.";
+    desk.until("it is reported", |desk| desk.shows(sentence));
     desk.until("its picture stays", |desk| {
         desk.shows("3D view of 2 objects") && desk.harness.state().model().view.space.is_some()
     });
@@ -352,12 +352,12 @@ fn a_server_that_is_gone_is_told_and_the_picture_stays() {
 }
 
 #[test]
-fn another_version_of_the_messages_is_told_in_a_sentence() {
+fn another_version_of_the_messages_is_reported_in_a_sentence() {
     let mut desk = Desk::new();
     // The greeting of `Desk` was right; a second window gets a wrong one.
     let (input, mut server) = std::io::pipe().expect("a pipe");
     let (_listener, output) = std::io::pipe().expect("a pipe");
-    say(
+    write(
         &mut server,
         &Command::Hello(Hello {
             protocol: 9999,
@@ -373,7 +373,7 @@ fn another_version_of_the_messages_is_told_in_a_sentence() {
         output,
     )
     .expect("its threads start");
-    desk.until("it is told", |desk| {
+    desk.until("it is reported", |desk| {
         desk.shows(
             "The language server (geotrace 9.9) speaks version 9999 of the preview's messages",
         )

@@ -6,7 +6,9 @@ use crate::hand::{Hand, SPHERE};
 fn a_file_that_goes_is_told_and_its_text_and_picture_stay() {
     let mut hand = Hand::on(SPHERE);
     std::fs::remove_file(&hand.path).expect("removed");
-    hand.until("it is told", |hand| hand.shows("the file cannot be read"));
+    hand.until("it is reported", |hand| {
+        hand.shows("the file cannot be read")
+    });
     assert_eq!(hand.window().text(), Some(SPHERE));
     assert!(hand.shows("3D view of 2 objects"));
     // And it may come back.
@@ -20,7 +22,7 @@ fn a_file_that_goes_is_told_and_its_text_and_picture_stay() {
 fn a_file_that_is_no_text_is_told_and_the_last_one_stays() {
     let mut hand = Hand::on(SPHERE);
     std::fs::write(&hand.path, [0x70, 0xff, 0xfe, 0x00]).expect("written");
-    hand.until("it is told", |hand| hand.shows("it is not UTF-8"));
+    hand.until("it is reported", |hand| hand.shows("it is not UTF-8"));
     assert_eq!(hand.window().text(), Some(SPHERE));
     std::fs::write(&hand.path, "point back = (0, 0, 0);\n").expect("written");
     hand.until("it is back", |hand| {

@@ -150,7 +150,7 @@ fn the_place_where_one_stands_is_at_no_distance() {
     let place = hand.space().center();
     hand.click_at(place);
     hand.harness.hover_at(place);
-    hand.until("its distance is told", |hand| {
+    hand.until("its distance is shown", |hand| {
         hand.shows(", 0 from the camera")
     });
 }

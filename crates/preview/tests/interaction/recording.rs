@@ -132,7 +132,7 @@ fn a_recording_that_is_called_off_leaves_no_file() {
             hand.shows("of 100000") && !hand.shows("picture 1 of")
         });
         hand.click("Cancel the recording");
-        hand.until("it is told", |hand| hand.shows("was cancelled"));
+        hand.until("it is reported", |hand| hand.shows("was cancelled"));
         assert_eq!(files(&hand.path), Vec::<PathBuf>::new(), "{format}");
         assert!(!hand.shows("Cancel the recording"));
     }
@@ -193,7 +193,7 @@ fn a_name_that_is_no_animation_is_not_taken_and_a_folder_that_is_not_there_is_to
     assert!(hand.shows("Frames per second"), "the dialog stays open");
     hand.enter("3d.bmp", "/no/such/folder/3d.gif");
     hand.click_on(Role::Button, "Record");
-    hand.until("it is told", |hand| {
+    hand.until("it is reported", |hand| {
         hand.shows("cannot write `/no/such/folder/3d.gif`")
     });
 }

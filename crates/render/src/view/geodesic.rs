@@ -267,8 +267,9 @@ impl GeodesicRenderer {
         let structures = shared.structures.get(request.scene.arc());
         let mut follow =
             |id, sampling: &_| self.solids.followed(request, &structures, id, sampling);
-        let (said, overlays) = overlay::over_solid(&mut image, request, camera, map, &mut follow);
-        notes.extend(said.into_iter().map(Note::Remark));
+        let (remarks, overlays) =
+            overlay::over_solid(&mut image, request, camera, map, &mut follow);
+        notes.extend(remarks.into_iter().map(Note::Remark));
         self.solids.next();
         Ok(RenderedImage {
             notes,
@@ -327,9 +328,9 @@ fn by_software(
     let counters = &*shared.pixels;
     let over = GeodesicOverlay::new(request, camera, counters);
     let (mut image, status) = ends.resolve_under(&paint, over.layer(), counters);
-    let (said, overlays) = over.finish(&mut image, ends, Some(&status));
+    let (remarks, overlays) = over.finish(&mut image, ends, Some(&status));
     let mut notes = notes(status.len(), count(&status), &ends.work(), ends.estimate());
-    notes.extend(said.into_iter().map(Note::Remark));
+    notes.extend(remarks.into_iter().map(Note::Remark));
     RenderedImage {
         notes,
         overlays,
@@ -381,9 +382,9 @@ fn by_gpu(
     let mut image = resolved.pixels;
     if let Pixels::Image(image) = &mut image {
         let over = GeodesicOverlay::new(request, camera, &shared.pixels);
-        let said;
-        (said, overlays) = over.draw(image, ends);
-        notes.extend(said.into_iter().map(Note::Remark));
+        let remarks;
+        (remarks, overlays) = over.draw(image, ends);
+        notes.extend(remarks.into_iter().map(Note::Remark));
     }
     Ok(RenderedImage {
         notes,

@@ -203,7 +203,7 @@ impl Core {
         let mut turn = self.motions.turn.take();
         Turn::advance(&mut turn, &mut self.model, now);
         self.motions.turn = turn;
-        self.told.is_stale |= self.model.animate(elapsed.min(0.1));
+        self.sent.is_stale |= self.model.animate(elapsed.min(0.1));
         if let Some(keys) = self.motions.held.take() {
             self.move_by_keys(&keys, elapsed);
             self.motions.held = Some(keys);

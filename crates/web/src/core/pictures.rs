@@ -42,7 +42,7 @@ struct PaneState {
     shown: Option<PictureDetail>,
     /// The reason why there is no picture.
     message: Option<String>,
-    /// True if the page was told that the next picture takes long.
+    /// True if the page has been informed that the next picture takes long.
     is_announced: bool,
     /// The number of its last picture.
     drawn: u64,
@@ -163,7 +163,7 @@ impl Core {
         self.advance();
         let next_end = self.let_end();
         let drawn = self.draw_next();
-        self.tell();
+        self.send_changes();
         let wait = |until: f64| (until - now).max(0.001);
         let has_more = match &drawn {
             Next::Drawn(_) | Next::Announced => Some(0.0),
@@ -440,7 +440,7 @@ impl Core {
 /// The result of searching for a picture to draw.
 enum Next {
     Drawn(Box<DrawnPicture>),
-    /// The page is told first that a picture takes long.
+    /// The page is informed first that a picture takes long.
     Announced,
     Nothing,
 }

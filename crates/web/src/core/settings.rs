@@ -98,8 +98,8 @@ impl Core {
         if needs_room {
             self.model.reframe();
         }
-        self.told.settings.clone_from(&self.model.view);
-        self.told.is_stale = true;
+        self.sent.settings.clone_from(&self.model.view);
+        self.sent.is_stale = true;
         self.note_motion();
     }
 

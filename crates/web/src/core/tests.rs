@@ -11,7 +11,7 @@ const TORUS: &str = "param r = 0.8 : [0.4, 1.2];
 surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
 ";
 
-/// A page: what it has been told, and the time.
+/// A page: what it has received, and the time.
 struct Page {
     core: Core,
     now: f64,
@@ -39,7 +39,7 @@ impl Page {
         self.core.call(call, self.now)
     }
 
-    fn tell(&mut self, name: &str, params: Value) {
+    fn notify(&mut self, name: &str, params: Value) {
         let notice = read_message(name, &params.to_string()).expect("a notice");
         self.core.notice(notice, self.now);
     }
@@ -51,7 +51,7 @@ impl Page {
             let progress = self.core.step(self.now);
             self.events.extend(self.core.take_events());
             if let Some(drawn) = progress.drawn {
-                self.tell("shown", json!({ "view": drawn.info.view }));
+                self.notify("shown", json!({ "view": drawn.info.view }));
                 pictures.push(drawn);
             }
             if progress.next != Some(0.0) {
@@ -72,7 +72,7 @@ impl Page {
         let panes: Vec<Value> = panes
             .map(|view| json!({ "view": view, "width": 64, "height": 48 }))
             .collect();
-        self.tell("panes", json!({ "panes": panes }));
+        self.notify("panes", json!({ "panes": panes }));
     }
 
     fn settings(&mut self) -> Value {
@@ -120,7 +120,7 @@ fn while_something_moves_pictures_are_coarse_and_then_exact() {
     let mut page = Page::open(TORUS);
     page.panes(&["geodesic:s"]);
     page.work();
-    page.tell(
+    page.notify(
         "drag",
         json!({ "view": "geodesic:s", "grip": "pan", "by": [10, 0] }),
     );
@@ -138,13 +138,13 @@ fn a_picture_that_is_not_shown_yet_gets_no_other_one() {
     page.panes(&["3d"]);
     let first = page.core.step(0.0).drawn.expect("a picture");
     for _ in 0..3 {
-        page.tell(
+        page.notify(
             "drag",
             json!({ "view": "3d", "grip": "orbit", "by": [9, 0] }),
         );
         assert!(page.core.step(0.0).drawn.is_none());
     }
-    page.tell("shown", json!({ "view": "3d" }));
+    page.notify("shown", json!({ "view": "3d" }));
     let next = page.core.step(0.0).drawn.expect("the last one");
     assert!(first.pixels != next.pixels || first.info.width != next.info.width);
     assert!(!next.info.exact);
@@ -158,7 +158,7 @@ fn edits_that_wait_are_compiled_once() {
     let at = TORUS.find("0.8").expect("there");
     for version in 2..6 {
         let change = json!({ "from": at, "to": at + 3, "insert": format!("0.{version}") });
-        page.tell("edit", json!({ "version": version, "changes": [change] }));
+        page.notify("edit", json!({ "version": version, "changes": [change] }));
     }
     page.work();
     let versions = page.events.iter().filter_map(|event| match event {
@@ -166,10 +166,10 @@ fn edits_that_wait_are_compiled_once() {
         _ => None,
     });
     assert_eq!(versions.collect::<Vec<_>>(), [5]);
-    page.tell("edit", json!({ "version": 9, "changes": [] }));
+    page.notify("edit", json!({ "version": 9, "changes": [] }));
     page.work();
     assert!(page.events.contains(&CoreEvent::Resync { version: 5 }));
-    page.tell(
+    page.notify(
         "text",
         json!({ "version": 9, "text": "point p = (1, 2, 3);" }),
     );
@@ -194,16 +194,16 @@ fn a_program_whose_settings_cannot_be_read_leaves_the_one_before_open() {
 fn settings_are_those_of_the_window_and_can_be_undone() {
     let mut page = Page::open(TORUS);
     page.work();
-    page.tell(
+    page.notify(
         "change",
         json!({ "patch": { "params": { "r": [1.1] } }, "step": "r" }),
     );
-    page.tell(
+    page.notify(
         "change",
         json!({ "patch": { "params": { "r": [1.2] } }, "step": "r" }),
     );
-    page.tell("release", json!({}));
-    page.tell(
+    page.notify("release", json!({}));
+    page.notify(
         "change",
         json!({ "patch": { "looks": { "s": { "hidden": true } } }, "step": "s" }),
     );
@@ -227,7 +227,7 @@ fn a_camera_of_a_program_that_is_opened_again_stays_where_it_was() {
     page.panes(&["3d"]);
     page.work();
     let opened = page.settings()["space"].clone();
-    page.tell("change", json!({ "patch": { "params": { "r": [1.2] } } }));
+    page.notify("change", json!({ "patch": { "params": { "r": [1.2] } } }));
     page.rest();
     let settings = page.settings();
     assert_eq!(settings["space"], opened, "a param moves no camera");
@@ -240,7 +240,7 @@ fn a_camera_of_a_program_that_is_opened_again_stays_where_it_was() {
     assert_eq!(other.settings()["space"], opened);
     // A pane of another shape needs another camera.
     let panes = json!([{ "view": "3d", "width": 64, "height": 96 }]);
-    other.tell("panes", json!({ "panes": panes }));
+    other.notify("panes", json!({ "panes": panes }));
     other.work();
     assert_ne!(other.settings()["space"], opened);
 }
@@ -252,11 +252,11 @@ fn a_camera_that_the_reader_has_not_moved_shows_everything_of_another_text() {
     page.work();
     let opened = page.settings()["space"]["eye"].clone();
     let text = format!("{TORUS}# a comment");
-    page.tell("text", json!({ "version": 3, "text": text }));
+    page.notify("text", json!({ "version": 3, "text": text }));
     page.rest();
     assert_eq!(page.settings()["space"]["eye"], opened);
     let text = TORUS.replace("(2 + r cos(v))", "(20 + r cos(v))");
-    page.tell("text", json!({ "version": 4, "text": text }));
+    page.notify("text", json!({ "version": 4, "text": text }));
     page.rest();
     assert_ne!(page.settings()["space"]["eye"], opened);
 }
@@ -267,26 +267,26 @@ fn only_what_the_core_changes_by_itself_is_told() {
     page.panes(&["3d"]);
     page.work();
     page.rest();
-    let told = |page: &mut Page| {
+    let settings_sent = |page: &mut Page| {
         let events = std::mem::take(&mut page.events).into_iter();
         let settings = events.filter(|event| matches!(event, CoreEvent::Settings { .. }));
         settings.count()
     };
-    told(&mut page);
-    page.tell(
+    settings_sent(&mut page);
+    page.notify(
         "change",
         json!({ "patch": { "preferences": { "fly": true } } }),
     );
     page.rest();
-    assert_eq!(told(&mut page), 0);
-    page.tell(
+    assert_eq!(settings_sent(&mut page), 0);
+    page.notify(
         "drag",
         json!({ "view": "3d", "grip": "orbit", "by": [9, 0] }),
     );
     page.work();
-    assert_eq!(told(&mut page), 0, "it moves");
+    assert_eq!(settings_sent(&mut page), 0, "it moves");
     page.rest();
-    assert_eq!(told(&mut page), 1);
+    assert_eq!(settings_sent(&mut page), 1);
 }
 
 #[test]
@@ -319,12 +319,12 @@ fn keys_that_are_held_move_the_camera_with_the_time() {
     let before = page.settings()["inside"]["s"]["at"].clone();
     let hold =
         |keys: Value| json!({ "view": "geodesic:s", "keys": keys, "shift": false, "alt": false });
-    page.tell("hold", hold(json!(["w"])));
+    page.notify("hold", hold(json!(["w"])));
     for _ in 0..10 {
         page.now += 0.02;
         page.work();
     }
-    page.tell("hold", hold(json!([])));
+    page.notify("hold", hold(json!([])));
     let after = page.settings()["inside"]["s"]["at"].clone();
     assert_ne!(before, after);
     page.rest();
@@ -345,7 +345,7 @@ fn a_key_that_is_tapped_between_two_frames_moves_the_camera_once() {
     let before = at(&mut page);
     for keys in [json!(["w"]), json!([])] {
         let hold = json!({ "view": "geodesic:s", "keys": keys, "shift": false, "alt": false });
-        page.tell("hold", hold);
+        page.notify("hold", hold);
     }
     let after = at(&mut page);
     assert_ne!(before, after);
@@ -359,11 +359,11 @@ fn a_view_without_a_picture_says_why() {
     page.panes(&["geodesic:h", "geodesic:none"]);
     let pictures = page.work();
     assert_eq!(views(&pictures), ["geodesic:h"]);
-    let told = page
+    let is_reported = page
         .events
         .iter()
         .any(|event| matches!(event, CoreEvent::NoPicture { view, .. } if view == "geodesic:none"));
-    assert!(told, "{:?}", page.events);
+    assert!(is_reported, "{:?}", page.events);
 }
 
 #[test]
@@ -402,7 +402,7 @@ fn files_hold_what_is_shown() {
         let saved = page.core.save_mesh(format).expect("a mesh");
         assert!(saved.bytes.len() > 10_000, "{format}");
     }
-    page.tell(
+    page.notify(
         "change",
         json!({ "patch": { "looks": { "s": { "hidden": true } } } }),
     );
@@ -428,7 +428,7 @@ fn the_mesh_of_a_script_is_that_of_its_params() {
         text.lines().filter(|line| line.starts_with("o ")).count()
     };
     assert_eq!(balls(&mut page), 1);
-    page.tell("change", json!({ "patch": { "params": { "t": [3] } } }));
+    page.notify("change", json!({ "patch": { "params": { "t": [3] } } }));
     assert_eq!(balls(&mut page), 4);
     page.work();
     let scenes = page.events.iter().rev();
@@ -443,7 +443,7 @@ fn the_mesh_of_a_script_is_that_of_its_params() {
 fn a_param_and_a_camera_are_written_into_the_text() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);
-    page.tell("change", json!({ "patch": { "params": { "r": [1.1] } } }));
+    page.notify("change", json!({ "patch": { "params": { "r": [1.1] } } }));
     page.work();
     let edit = page
         .call("writeParam", json!({ "param": "r" }))
@@ -480,7 +480,7 @@ fn a_figure_is_measured_drawn_and_taken_away() {
         curve c(t) = (sin(t), 0 - 1, cos(t)), t : [0, 1];";
     let mut page = Page::open(text);
     let panes = json!({ "panes": [{ "view": "3d", "width": 200, "height": 200 }] });
-    page.tell("panes", panes);
+    page.notify("panes", panes);
     let plain = page.rest().pop().expect("a picture").pixels;
     let figure = |kind: &str, places: Value| json!({ "figure": { "surface": "s", "kind": kind, "places": places } });
     let quarter = json!([
@@ -513,7 +513,7 @@ fn a_walk_is_measured_and_closed_by_the_way_back() {
     let mut page = Page::open(text);
     let marks =
         json!({ "patch": { "preferences": { "marks": { "trail": true } } }, "step": "trail" });
-    page.tell("change", marks);
+    page.notify("change", marks);
     page.panes(&["3d", "geodesic:s"]);
     page.rest();
     let rows = |page: &mut Page| {
@@ -527,8 +527,8 @@ fn a_walk_is_measured_and_closed_by_the_way_back() {
     };
     let drag = |page: &mut Page, by: [f64; 2]| {
         let drag = json!({ "view": "geodesic:s", "grip": "orbit", "by": by });
-        page.tell("drag", drag);
-        page.tell("release", json!({}));
+        page.notify("drag", drag);
+        page.notify("release", json!({}));
         page.rest();
     };
     // Two sides of a triangle; the third is the shortest way back.
@@ -569,7 +569,7 @@ fn a_place_to_be_measured_snaps_to_a_declared_point() {
         point p = (0, 0 - 1, 0);";
     let mut page = Page::open(text);
     let panes = json!({ "panes": [{ "view": "3d", "width": 200, "height": 200 }] });
-    page.tell("panes", panes);
+    page.notify("panes", panes);
     page.rest();
     let near = |page: &mut Page, measures: bool| {
         let found = (0..40_000).map(|k| [f64::from(k % 200), f64::from(k / 200)]);

@@ -409,12 +409,12 @@ fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
     })?;
     let model = mesh::model(request, None);
     let mut bytes = Vec::new();
-    let told = model.write(format, &mut bytes);
-    let told = told.map_err(|error| error.to_string())?;
+    let file_notes = model.write(format, &mut bytes);
+    let file_notes = file_notes.map_err(|error| error.to_string())?;
     write_whole(path, &bytes)
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
     let triangles = model.triangles(format);
-    let notes = model.notes.iter().chain(&told).cloned();
+    let notes = model.notes.iter().chain(&file_notes).cloned();
     let sentence = format!("{triangles} triangles were saved in `{}`", path.display());
     Ok(std::iter::once(sentence)
         .chain(notes)

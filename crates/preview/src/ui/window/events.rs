@@ -290,7 +290,7 @@ impl Window {
         let (kind, name) = (kind.unwrap_or("object"), wanted.object.unwrap_or_default());
         let text = format!("There is no {kind} `{name}`: {known}{errors}.");
         self.status_message = Some(StatusMessage::error(text.clone()));
-        self.text.say(Event::Message { error: true, text });
+        self.text.send(Event::Message { error: true, text });
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// Counts a frame, and reports it; `is_settled` tells whether the window is settled after it.
+    /// Counts a frame, and reports it; `is_settled` is true if the window is settled after it.
     pub(super) fn note_frame(&mut self, model: &mut Model, is_settled: bool) {
         self.counters.frames += 1;
         if let Some(report) = &self.report {

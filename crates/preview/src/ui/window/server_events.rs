@@ -49,7 +49,7 @@ impl ServerReports {
 
 impl Window {
     /// Reports the current content of the screen to the server.
-    pub(super) fn tell(&mut self) {
+    pub(super) fn report_shown(&mut self) {
         let shows = |view: &PaneView, version: i32| {
             let picture = view.picture.as_ref();
             !view.on_screen
@@ -70,7 +70,7 @@ impl Window {
         {
             self.text.reports.unshown = None;
             self.records.counters.version = version;
-            self.text.say(Event::Shown {
+            self.text.send(Event::Shown {
                 version,
                 ok,
                 milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
@@ -86,7 +86,7 @@ impl Window {
                 .collect();
             if values != self.text.reports.values {
                 self.text.reports.values.clone_from(&values);
-                self.text.say(Event::Values {
+                self.text.send(Event::Values {
                     version: self.model.version,
                     values,
                 });
@@ -110,7 +110,7 @@ impl Window {
     /// Writes the value of a param, or of a number of a script's settings, into the text.
     pub(crate) fn write_numbers(&mut self, name: &str, value: Vec<f64>) {
         match &mut self.text.source {
-            TextSource::Attached { .. } => self.text.say(Event::Write {
+            TextSource::Attached { .. } => self.text.send(Event::Write {
                 version: self.model.version,
                 param: name.to_owned(),
                 value,
@@ -125,7 +125,7 @@ impl Window {
     /// Writes a new colour of an object into the text: sRGB, in 0…1.
     pub(crate) fn write_color(&mut self, object: &str, color: [f64; 3]) {
         match &mut self.text.source {
-            TextSource::Attached { .. } => self.text.say(Event::WriteColor {
+            TextSource::Attached { .. } => self.text.send(Event::WriteColor {
                 version: self.model.version,
                 object: object.to_owned(),
                 color,
@@ -163,7 +163,7 @@ impl Window {
         };
         let [direction, position] = [direction, camera.eye].map(stated);
         match &mut self.text.source {
-            TextSource::Attached { .. } => self.text.say(Event::WriteCamera {
+            TextSource::Attached { .. } => self.text.send(Event::WriteCamera {
                 version: self.model.version,
                 name,
                 direction,
@@ -219,7 +219,7 @@ impl Window {
 
     fn open(&mut self, place: Span, takes_keys: bool) {
         match &mut self.text.source {
-            TextSource::Attached { .. } => self.text.say(Event::Open {
+            TextSource::Attached { .. } => self.text.send(Event::Open {
                 version: self.model.version,
                 range: [place.start, place.end],
             }),

@@ -136,14 +136,14 @@ impl WindowText {
     }
 
     /// Sends an event to the server, if there is one.
-    pub(crate) fn say(&self, event: Event) {
+    pub(crate) fn send(&self, event: Event) {
         if let TextSource::Attached {
             link,
             disconnected: None,
             ..
         } = &self.source
         {
-            link.say(event);
+            link.send(event);
         }
     }
 
