@@ -221,6 +221,16 @@ fn open_pane(window: &mut Window, ui: &mut Ui, pane: &Pane) {
 }
 
 fn view(window: &mut Window, ui: &mut Ui) {
+    view_panes(window, ui);
+    layout(window, ui);
+    window_modes(window, ui);
+    ui.separator();
+    camera_modes(window, ui);
+    cameras(window, ui);
+}
+
+/// Shows the entries that open and close panes.
+fn view_panes(window: &mut Window, ui: &mut Ui) {
     let views = window.offered().into_iter();
     let (solids, views): (Vec<ViewId>, Vec<ViewId>) =
         views.partition(|id| id.object.is_some() && !window.opens_by_itself(id));
@@ -237,6 +247,10 @@ fn view(window: &mut Window, ui: &mut Ui) {
             });
         });
     }
+}
+
+/// Shows the entries that arrange the panes.
+fn layout(window: &mut Window, ui: &mut Ui) {
     ui.menu_button("Layout", |ui| {
         for (title, arrangement) in Arrangement::ALL {
             if ui.button(title).clicked() {
@@ -254,6 +268,10 @@ fn view(window: &mut Window, ui: &mut Ui) {
     if entry(ui, true, "Next view", "F6") {
         window.next_view(ui, false);
     }
+}
+
+/// Shows the entries for the modes of the window.
+fn window_modes(window: &mut Window, ui: &mut Ui) {
     let alone = &mut window.panes.shows_views_alone;
     let hint = "Hides the program and the settings";
     tick(ui, alone, "Views alone", "Ctrl+B").on_hover_text(hint);
@@ -267,7 +285,10 @@ fn view(window: &mut Window, ui: &mut Ui) {
     if measure.on_hover_text(hint).changed() {
         measure::toggle(window);
     }
-    ui.separator();
+}
+
+/// Shows the entries for the modes of the 3D view.
+fn camera_modes(window: &mut Window, ui: &mut Ui) {
     let mut fly = window.model.view.preferences.fly;
     let hint = "A drag in the 3D view turns the camera in place";
     if ui.checkbox(&mut fly, "Fly").on_hover_text(hint).changed() {
@@ -281,6 +302,10 @@ fn view(window: &mut Window, ui: &mut Ui) {
     if tick.on_hover_text(hint).changed() {
         window.toggle_traced();
     }
+}
+
+/// Shows the entries that write, choose and move cameras.
+fn cameras(window: &mut Window, ui: &mut Ui) {
     let has_camera = window.model.view.space.is_some() && !window.panes.is_welcome;
     if entry(ui, has_camera, "Write camera", "") {
         window.write_camera();

@@ -162,81 +162,12 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         ui.label("Nothing to animate: the program needs a param, or a surface to walk on.");
         return false;
     }
-    let surface = dialog.camera.as_ref().map_or("", |(name, _)| name);
     let mut choose = false;
     Grid::new("record").num_columns(2).show(ui, |ui| {
-        let label = ui.label("What moves");
-        let words = |k: usize| dialog.moves[k].words(surface);
-        ComboBox::from_id_salt("what moves")
-            .selected_text(words(dialog.chosen))
-            .width(240.0)
-            .show_ui(ui, |ui| {
-                for k in 0..dialog.moves.len() {
-                    ui.selectable_value(&mut dialog.chosen, k, words(k));
-                }
-            })
-            .response
-            .labelled_by(label.id);
-        ui.end_row();
-        match &mut dialog.moves[dialog.chosen] {
-            Moves::Param(change) => {
-                for (title, values) in [("From", &mut change.from), ("To", &mut change.to)] {
-                    let label = ui.label(title);
-                    ui.horizontal(|ui| {
-                        for value in values.iter_mut() {
-                            let field = number_field::field(ui, value).speed(0.01);
-                            ui.add(field).labelled_by(label.id);
-                        }
-                    });
-                    ui.end_row();
-                }
-                let label = ui.label("Course");
-                ui.horizontal(|ui| {
-                    for (course, name) in Course::ALL {
-                        ui.selectable_value(&mut dialog.course, course, name);
-                    }
-                })
-                .response
-                .labelled_by(label.id);
-                ui.end_row();
-            }
-            Moves::Walk(..) => {
-                let label = ui.label("Arc length");
-                let speed = 0.01 * dialog.length.abs().max(1e-3);
-                ui.add(number_field::field(ui, &mut dialog.length).speed(speed))
-                    .labelled_by(label.id);
-                ui.end_row();
-            }
-            Moves::Turntable | Moves::Again(..) => {}
-        }
-        let label = ui.label("Frames");
-        ui.add(number_field::field(ui, &mut dialog.clip.frames).range(2..=100_000))
-            .labelled_by(label.id);
-        ui.end_row();
-        let label = ui.label("Frames per second");
-        ui.add(number_field::field(ui, &mut dialog.clip.rate).range(0.1..=1000.0))
-            .labelled_by(label.id);
-        ui.end_row();
-        let sides = 1..=render::MAX_SIDE;
-        for (side, name) in dialog.clip.size.iter_mut().zip(["Width", "Height"]) {
-            let label = ui.label(name);
-            let field = number_field::field(ui, side).range(sides.clone());
-            ui.add(field.suffix(" px")).labelled_by(label.id);
-            ui.end_row();
-        }
-        let label = ui.label("Format");
-        ui.horizontal(|ui| {
-            let now = AnimationFile::of_path(Path::new(&dialog.path));
-            for (kind, name, extension) in AnimationFile::ALL {
-                if ui.selectable_label(now == Some(kind), name).clicked() {
-                    let path = Path::new(&dialog.path).with_extension(extension);
-                    dialog.path = path.display().to_string();
-                }
-            }
-        })
-        .response
-        .labelled_by(label.id);
-        ui.end_row();
+        what_moves(dialog, ui);
+        motion(dialog, ui);
+        clip(&mut dialog.clip, ui);
+        format(&mut dialog.path, ui);
         choose = picture::file(ui, &mut dialog.path);
     });
     if dialog.moves[dialog.chosen].is_walk() {
@@ -257,6 +188,97 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         picture::replaced(ui, &first);
     }
     choose
+}
+
+/// Shows the row that chooses what moves.
+fn what_moves(dialog: &mut RecordDialog, ui: &mut Ui) {
+    let surface = dialog.camera.as_ref().map_or("", |(name, _)| name);
+    let label = ui.label("What moves");
+    let words = |k: usize| dialog.moves[k].words(surface);
+    ComboBox::from_id_salt("what moves")
+        .selected_text(words(dialog.chosen))
+        .width(240.0)
+        .show_ui(ui, |ui| {
+            for k in 0..dialog.moves.len() {
+                ui.selectable_value(&mut dialog.chosen, k, words(k));
+            }
+        })
+        .response
+        .labelled_by(label.id);
+    ui.end_row();
+}
+
+/// Shows the rows of the chosen motion.
+fn motion(dialog: &mut RecordDialog, ui: &mut Ui) {
+    match &mut dialog.moves[dialog.chosen] {
+        Moves::Param(change) => {
+            for (title, values) in [("From", &mut change.from), ("To", &mut change.to)] {
+                let label = ui.label(title);
+                ui.horizontal(|ui| {
+                    for value in values.iter_mut() {
+                        let field = number_field::field(ui, value).speed(0.01);
+                        ui.add(field).labelled_by(label.id);
+                    }
+                });
+                ui.end_row();
+            }
+            let label = ui.label("Course");
+            ui.horizontal(|ui| {
+                for (course, name) in Course::ALL {
+                    ui.selectable_value(&mut dialog.course, course, name);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+            ui.end_row();
+        }
+        Moves::Walk(..) => {
+            let label = ui.label("Arc length");
+            let speed = 0.01 * dialog.length.abs().max(1e-3);
+            ui.add(number_field::field(ui, &mut dialog.length).speed(speed))
+                .labelled_by(label.id);
+            ui.end_row();
+        }
+        Moves::Turntable | Moves::Again(..) => {}
+    }
+}
+
+/// Shows the rows of the number, the rate and the size of the frames.
+fn clip(clip: &mut Clip, ui: &mut Ui) {
+    let label = ui.label("Frames");
+    ui.add(number_field::field(ui, &mut clip.frames).range(2..=100_000))
+        .labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label("Frames per second");
+    ui.add(number_field::field(ui, &mut clip.rate).range(0.1..=1000.0))
+        .labelled_by(label.id);
+    ui.end_row();
+    let sides = 1..=render::MAX_SIDE;
+    for (side, name) in clip.size.iter_mut().zip(["Width", "Height"]) {
+        let label = ui.label(name);
+        let field = number_field::field(ui, side).range(sides.clone());
+        ui.add(field.suffix(" px")).labelled_by(label.id);
+        ui.end_row();
+    }
+}
+
+/// Shows the row that chooses the format by the file's extension.
+fn format(path: &mut String, ui: &mut Ui) {
+    let label = ui.label("Format");
+    ui.horizontal(|ui| {
+        let now = AnimationFile::of_path(Path::new(path));
+        for (kind, name, extension) in AnimationFile::ALL {
+            if ui.selectable_label(now == Some(kind), name).clicked() {
+                *path = Path::new(path)
+                    .with_extension(extension)
+                    .display()
+                    .to_string();
+            }
+        }
+    })
+    .response
+    .labelled_by(label.id);
+    ui.end_row();
 }
 
 /// Starts a recording with the dialog's input.

@@ -98,112 +98,146 @@ fn show_place(editor: &mut Editor, place: &std::ops::Range<usize>) {
     });
 }
 
+/// A request of the user in the row that finds.
+#[derive(Clone, Copy)]
+enum FindRequest {
+    Go(Direction),
+    Close,
+}
+
 /// Shows the bar, if it is open. Returns whether the text was edited.
 pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
-    let mut edited = false;
     if !text.find.is_open {
-        return edited;
+        return false;
     }
     let TextSource::File { editor, .. } = &mut text.source else {
-        return edited;
+        return false;
     };
     let find = &mut text.find;
     let places = typing::find(&editor.text, &find.wanted);
     find.current = find.current.min(places.len().saturating_sub(1));
-    let (mut step, mut closes) = (None, false);
-    ui.horizontal_wrapped(|ui| {
-        let field = TextEdit::singleline(&mut find.wanted).hint_text("Find");
-        let field = ui.add(field.desired_width(110.0));
-        let field = field.accessible_name("Find");
-        if std::mem::take(&mut find.wants_focus) {
-            field.request_focus();
-            // Typing replaces the word of the last search.
-            keys::select(ui, field.id, keys::everything(&find.wanted));
-        }
-        if field.changed() {
-            find.current = 0;
-            let places = typing::find(&editor.text, &find.wanted);
-            if let Some(first) = places.first() {
-                show_place(editor, first);
-            }
-        }
-        if field.lost_focus() {
-            let [enter, escape, shift] = ui.input(|input| {
-                let pressed = [Key::Enter, Key::Escape].map(|key| input.key_pressed(key));
-                [pressed[0], pressed[1], input.modifiers.shift]
-            });
-            if enter {
-                let back = Direction::Previous;
-                step = Some(if shift { back } else { Direction::Next });
-                field.request_focus();
-            }
-            closes = escape;
-        }
-        let [up, down] = [
-            (Icon::Up, "Previous place", "Previous (Shift+F3)"),
-            (Icon::Down, "Next place", "Next (F3)"),
-        ]
-        .map(|(icon, name, hint)| icons::button(ui, icon, false, name, hint).clicked());
-        if up {
-            step = Some(Direction::Previous);
-        } else if down {
-            step = Some(Direction::Next);
-        }
-        find.wants_focus |= up || down;
-        let number = match places.len() {
-            0 if find.wanted.is_empty() => String::new(),
-            0 => "not found".to_owned(),
-            count => format!("{} of {count}", find.current + 1),
-        };
-        ui.label(number);
-    });
-    ui.horizontal_wrapped(|ui| {
-        let field = TextEdit::singleline(&mut find.replacement).hint_text("Replace by");
-        ui.add(field.desired_width(110.0))
-            .accessible_name("Replace by");
-        let any = !places.is_empty();
-        let one = ui.add_enabled(any, egui::Button::new("Replace").small());
-        let all = ui.add_enabled(any, egui::Button::new("Replace all").small());
-        let replaced = if all.clicked() {
-            &places[..]
-        } else if one.clicked() {
-            &places[find.current..=find.current]
-        } else {
-            &[]
-        };
-        if !replaced.is_empty() {
-            let mut text = String::with_capacity(editor.text.len());
-            let mut from = 0;
-            for place in replaced {
-                text.push_str(&editor.text[from..place.start]);
-                text.push_str(&find.replacement);
-                from = place.end;
-            }
-            text.push_str(&editor.text[from..]);
-            editor.replace(text);
-            // Undo, and the keys that follow, apply to the text.
-            editor.wants_keys = true;
-            edited = true;
-            let places = typing::find(&editor.text, &find.wanted);
-            // The search continues after the replacement, which may contain the word itself.
-            let behind = replaced[0].start + find.replacement.len();
-            let next = places.iter().position(|place| place.start >= behind);
-            find.current = next.unwrap_or(0);
-            if let Some(next) = places.get(find.current) {
-                show_place(editor, next);
-            }
-        }
+    let request = ui.horizontal_wrapped(|ui| find_row(find, editor, places.len(), ui));
+    let mut request = request.inner;
+    let edited = ui.horizontal_wrapped(|ui| {
+        let edited = replace_row(find, editor, &places, ui);
         let close = (Icon::Close, "Close the search", "Close (Escape)");
-        closes |= icons::button(ui, close.0, false, close.1, close.2).clicked();
+        if icons::button(ui, close.0, false, close.1, close.2).clicked() {
+            request = Some(FindRequest::Close);
+        }
+        edited
     });
-    if closes {
-        find.is_open = false;
+    match request {
+        Some(FindRequest::Close) => {
+            find.is_open = false;
+            editor.wants_keys = true;
+        }
+        Some(FindRequest::Go(direction)) => text.go(direction),
+        None => {}
+    }
+    edited.inner
+}
+
+/// Shows the field of the wanted text, the buttons of the matches, and their number.
+fn find_row(
+    find: &mut Find,
+    editor: &mut Editor,
+    count: usize,
+    ui: &mut Ui,
+) -> Option<FindRequest> {
+    let mut request = None;
+    let field = TextEdit::singleline(&mut find.wanted).hint_text("Find");
+    let field = ui.add(field.desired_width(110.0));
+    let field = field.accessible_name("Find");
+    if std::mem::take(&mut find.wants_focus) {
+        field.request_focus();
+        // Typing replaces the word of the last search.
+        keys::select(ui, field.id, keys::everything(&find.wanted));
+    }
+    if field.changed() {
+        find.current = 0;
+        let places = typing::find(&editor.text, &find.wanted);
+        if let Some(first) = places.first() {
+            show_place(editor, first);
+        }
+    }
+    if field.lost_focus() {
+        let [enter, escape, shift] = ui.input(|input| {
+            let pressed = [Key::Enter, Key::Escape].map(|key| input.key_pressed(key));
+            [pressed[0], pressed[1], input.modifiers.shift]
+        });
+        if enter {
+            let back = Direction::Previous;
+            let direction = if shift { back } else { Direction::Next };
+            request = Some(FindRequest::Go(direction));
+            field.request_focus();
+        }
+        if escape {
+            request = Some(FindRequest::Close);
+        }
+    }
+    let [up, down] = [
+        (Icon::Up, "Previous place", "Previous (Shift+F3)"),
+        (Icon::Down, "Next place", "Next (F3)"),
+    ]
+    .map(|(icon, name, hint)| icons::button(ui, icon, false, name, hint).clicked());
+    if up {
+        request = Some(FindRequest::Go(Direction::Previous));
+    } else if down {
+        request = Some(FindRequest::Go(Direction::Next));
+    }
+    find.wants_focus |= up || down;
+    let number = match count {
+        0 if find.wanted.is_empty() => String::new(),
+        0 => "not found".to_owned(),
+        _ => format!("{} of {count}", find.current + 1),
+    };
+    ui.label(number);
+    request
+}
+
+/// Shows the field of the replacement and its buttons. Returns true if matches were replaced.
+fn replace_row(
+    find: &mut Find,
+    editor: &mut Editor,
+    places: &[std::ops::Range<usize>],
+    ui: &mut Ui,
+) -> bool {
+    let field = TextEdit::singleline(&mut find.replacement).hint_text("Replace by");
+    ui.add(field.desired_width(110.0))
+        .accessible_name("Replace by");
+    let any = !places.is_empty();
+    let one = ui.add_enabled(any, egui::Button::new("Replace").small());
+    let all = ui.add_enabled(any, egui::Button::new("Replace all").small());
+    let replaced = if all.clicked() {
+        &places[..]
+    } else if one.clicked() {
+        &places[find.current..=find.current]
+    } else {
+        &[]
+    };
+    let is_edited = !replaced.is_empty();
+    if is_edited {
+        let mut text = String::with_capacity(editor.text.len());
+        let mut from = 0;
+        for place in replaced {
+            text.push_str(&editor.text[from..place.start]);
+            text.push_str(&find.replacement);
+            from = place.end;
+        }
+        text.push_str(&editor.text[from..]);
+        editor.replace(text);
+        // Undo, and the keys that follow, apply to the text.
         editor.wants_keys = true;
+        let places = typing::find(&editor.text, &find.wanted);
+        // The search continues after the replacement, which may contain the word itself.
+        let behind = replaced[0].start + find.replacement.len();
+        let next = places.iter().position(|place| place.start >= behind);
+        find.current = next.unwrap_or(0);
+        if let Some(next) = places.get(find.current) {
+            show_place(editor, next);
+        }
     }
-    if let Some(step) = step {
-        text.go(step);
-    }
-    edited
+    is_edited
 }
 
 /// Highlights the matches in the visible text.
