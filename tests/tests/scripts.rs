@@ -108,7 +108,7 @@ fn a_lit_face_has_the_light_of_the_formula() {
     let picture = draw(&script, &["--size", "81x61"]);
     // C·ambient + c·k·C·falloff/25.
     let expected = [(1.0, 0.8), (0.5, 0.8), (1.0, 0.4)]
-        .map(|(light, color)| (255.0_f64 * (light * 0.25 + color * 0.5 * light * 0.4)) as u8);
+        .map(|(light, colour)| (255.0_f64 * (light * 0.25 + colour * 0.5 * light * 0.4)) as u8);
     assert_eq!(picture.get_pixel(40, 30).0, expected);
 }
 

@@ -172,13 +172,15 @@ pub enum Event {
         position: [f64; 3],
     },
     /// The user wants another colour of an object in the text, as one undoable step.
-    WriteColor {
+    #[serde(rename = "writeColor")]
+    WriteColour {
         /// The text's version.
         version: i32,
         /// The object's name.
         object: String,
         /// Red, green and blue, sRGB, in 0…1.
-        color: [f64; 3],
+        #[serde(rename = "color")]
+        colour: [f64; 3],
     },
     /// The params' current values, by name.
     Values {

@@ -272,10 +272,10 @@ mod tests {
                 direction: [0.0, 4.0, -1.0],
                 position: [0.1, -4.0, 1e-300],
             },
-            Event::WriteColor {
+            Event::WriteColour {
                 version: 2,
                 object: "ball".to_owned(),
-                color: [0.0, 0.2, 1.0],
+                colour: [0.0, 0.2, 1.0],
             },
             Event::Values {
                 version: 2,
@@ -373,5 +373,16 @@ mod tests {
         };
         assert_eq!(*excerpt, format!("{}…", "é".repeat(80)));
         assert!(error.to_string().contains("not a message"));
+    }
+
+    #[test]
+    fn a_colour_has_the_names_of_the_wire() {
+        let event = Event::WriteColour {
+            version: 3,
+            object: "s".into(),
+            colour: [0.0, 0.5, 1.0],
+        };
+        let text = r#"{"type":"writeColor","version":3,"object":"s","color":[0.0,0.5,1.0]}"#;
+        assert_eq!(serde_json::to_string(&event).expect("JSON"), text);
     }
 }

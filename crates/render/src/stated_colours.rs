@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use scene::{Object, ObjectId, Range, Sampling, Scene};
 
 use crate::content::{self, Content};
-use crate::request::{PictureRequest, color_nodes, srgb_of};
+use crate::request::{PictureRequest, colour_nodes, srgb_of};
 use crate::shared::Shared;
 use crate::texture::Texture;
 
@@ -85,7 +85,7 @@ fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object,
         object.shape.manifold().is_some() && request.own_texture(*id).is_none()
     });
     surfaces.filter_map(|(id, object)| {
-        let nodes = color_nodes(object)?;
+        let nodes = colour_nodes(object)?;
         let mut inputs = request.scene.graph.inputs(nodes).into_iter();
         let varies = inputs.any(|input| matches!(input, Input::Variable(_)));
         varies.then_some((id, object, nodes))

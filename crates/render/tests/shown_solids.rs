@@ -76,7 +76,7 @@ impl Builder {
         graph.sub(x, edge)
     }
 
-    fn leaf(&mut self, name: &str, field: NodeId, color: Option<[f64; 3]>) -> SolidLeaf {
+    fn leaf(&mut self, name: &str, field: NodeId, colour: Option<[f64; 3]>) -> SolidLeaf {
         // Each leaf has a place of its own.
         self.spans += 1;
         let mut span = self.other.name_span;
@@ -84,10 +84,10 @@ impl Builder {
         let graph = self.graph();
         let [zero, one] = [0.0, 1.0].map(|x| graph.constant(x));
         let row = |k: usize| std::array::from_fn(|j| if j == k { one } else { zero });
-        let color = color.map(|color| Attribute {
+        let colour = colour.map(|colour| Attribute {
             word: "color",
             span,
-            value: AttributeValue::Numbers(color.map(|c| graph.constant(c)).to_vec()),
+            value: AttributeValue::Numbers(colour.map(|c| graph.constant(c)).to_vec()),
             map: None,
         });
         SolidLeaf {
@@ -96,7 +96,7 @@ impl Builder {
             field,
             cuts: [const { None }; 3],
             map: AffineNodes([row(0), row(1), row(2)]),
-            attributes: Arc::new(color.into_iter().collect()),
+            attributes: Arc::new(colour.into_iter().collect()),
         }
     }
 

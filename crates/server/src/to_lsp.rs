@@ -470,7 +470,7 @@ pub(crate) fn fold(snapshot: &Snapshot, fold: &Fold) -> lsp::FoldingRange {
     }
 }
 
-pub(crate) fn color(snapshot: &Snapshot, stated: &WrittenColour) -> lsp::ColorInformation {
+pub(crate) fn colour(snapshot: &Snapshot, stated: &WrittenColour) -> lsp::ColorInformation {
     let [red, green, blue] = stated.rgb.map(|channel| channel as f32);
     lsp::ColorInformation {
         range: range(snapshot, stated.span),
@@ -483,7 +483,7 @@ pub(crate) fn color(snapshot: &Snapshot, stated: &WrittenColour) -> lsp::ColorIn
     }
 }
 
-pub(crate) fn color_presentation(
+pub(crate) fn colour_presentation(
     snapshot: &Snapshot,
     replaced: Span,
     text: String,

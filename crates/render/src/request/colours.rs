@@ -14,7 +14,7 @@ impl PictureRequest {
     /// which differs from place to place is multiplied by it.
     pub fn keeps_stated_colour(&self, object: ObjectId) -> bool {
         let is_stated_solid =
-            |object: &Object| object.shape.solid().is_some() && color_nodes(object).is_some();
+            |object: &Object| object.shape.solid().is_some() && colour_nodes(object).is_some();
         self.states_colour(object) || self.scene.get(object).is_some_and(is_stated_solid)
     }
 
@@ -118,7 +118,7 @@ impl<'a> StatedColour<'a> {
     /// Returns the colour that an object specifies; `None` if it differs from point to point, and for a solid, whose faces
     /// have colours of their own.
     fn of(scene: &'a Scene, object: &'a Object) -> Option<Self> {
-        let nodes = color_nodes(object).filter(|_| object.shape.solid().is_none())?;
+        let nodes = colour_nodes(object).filter(|_| object.shape.solid().is_none())?;
         let inputs = scene.graph.inputs(nodes);
         let varies = |input: &Input| matches!(input, Input::Variable(_));
         if inputs.iter().any(varies) {
@@ -180,7 +180,7 @@ pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
 }
 
 /// Returns the numbers of the colour that an object specifies.
-pub(crate) fn color_nodes(object: &Object) -> Option<&[NodeId]> {
+pub(crate) fn colour_nodes(object: &Object) -> Option<&[NodeId]> {
     let stated = object.attributes.iter().find(|it| it.word == "color")?;
     match &stated.value {
         AttributeValue::Numbers(nodes) => Some(nodes),

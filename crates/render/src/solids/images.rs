@@ -6,7 +6,7 @@ use geometry::solids::{FaceImage, RayScene};
 use glam::DVec3;
 use scene::{Object, ObjectId};
 
-use crate::request::{PictureRequest, color_nodes};
+use crate::request::{PictureRequest, colour_nodes};
 use crate::texture::{Level, Texture};
 
 /// The images of the objects of a picture.
@@ -27,7 +27,7 @@ impl FaceImages {
     ) -> Self {
         let image = |(id, object): (ObjectId, &Object)| {
             let chosen = match object.shape.is_surface() {
-                true => request.own_texture(id).is_some() || color_nodes(object).is_none(),
+                true => request.own_texture(id).is_some() || colour_nodes(object).is_none(),
                 false => request.chosen_texture(id).is_some(),
             };
             (chosen && shown(id)).then(|| {
@@ -47,7 +47,7 @@ impl FaceImages {
     }
 
     /// Returns the linear colour of the image of a face at a position from (0, 0), the top left, to (1, 1).
-    pub(super) fn color(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
+    pub(super) fn colour(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
         let objects = &self.objects;
         let texture = match objects.binary_search_by_key(&image.object, |(id, _)| *id) {
             Ok(found) => &objects[found].1,

@@ -173,7 +173,7 @@ impl SolidScene {
 
     /// Returns the look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
-        let paint = |image: FaceImage, place: [f64; 2]| self.images.color(image, place);
+        let paint = |image: FaceImage, place: [f64; 2]| self.images.colour(image, place);
         self.rays.look(face, &paint)
     }
 
@@ -273,7 +273,7 @@ impl TracedScene {
     ) -> R {
         let picture_look = self.rays.picture_look();
         let paint = |image: FaceImage, place: [f64; 2]| {
-            let light = self.images.color(image, place)?;
+            let light = self.images.colour(image, place)?;
             Some(picture_look.image_light(light))
         };
         let image = self.background.as_deref().map(|image| {

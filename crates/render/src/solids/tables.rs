@@ -82,7 +82,7 @@ impl TableLook {
     }
 
     /// True if its colour depends on the place.
-    pub(crate) fn varies_in_color(&self) -> bool {
+    pub(crate) fn varies_in_colour(&self) -> bool {
         let mut all = self.lists.iter().flat_map(|list| &list.attributes);
         all.any(|attribute| *attribute == VaryingAttribute::Colour)
     }

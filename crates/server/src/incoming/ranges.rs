@@ -78,7 +78,7 @@ pub(super) async fn document_color(
     server
         .ask(&params.text_document.uri, |snapshot| {
             let stated = snapshot.analysis().colours();
-            let stated = stated.iter().map(|color| to_lsp::color(snapshot, color));
+            let stated = stated.iter().map(|colour| to_lsp::color(snapshot, colour));
             stated.collect()
         })
         .await
@@ -98,7 +98,7 @@ pub(super) async fn color_presentation(
                 .analysis()
                 .colour_texts(range, [red, green, blue].map(f64::from));
             let texts = texts.into_iter();
-            let texts = texts.map(|text| to_lsp::color_presentation(snapshot, range, text));
+            let texts = texts.map(|text| to_lsp::colour_presentation(snapshot, range, text));
             texts.collect()
         })
         .await

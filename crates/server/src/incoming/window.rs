@@ -380,8 +380,8 @@ impl PreviewWindow {
                     position,
                 });
             }
-            Event::WriteColor { object, color, .. } => {
-                let _ = requests.try_send(WindowRequest::WriteColor { object, color });
+            Event::WriteColour { object, colour, .. } => {
+                let _ = requests.try_send(WindowRequest::WriteColour { object, colour });
             }
             Event::Values { values, .. } => {
                 let mut session = lock(&self.session);

@@ -123,15 +123,15 @@ impl Window {
     }
 
     /// Writes a new colour of an object into the text: sRGB, in 0…1.
-    pub(crate) fn write_color(&mut self, object: &str, color: [f64; 3]) {
+    pub(crate) fn write_colour(&mut self, object: &str, colour: [f64; 3]) {
         match &mut self.text.source {
-            TextSource::Attached { .. } => self.text.send(Event::WriteColor {
+            TextSource::Attached { .. } => self.text.send(Event::WriteColour {
                 version: self.model.version,
                 object: object.to_owned(),
-                color,
+                colour,
             }),
             TextSource::File { editor, .. } => {
-                let written = editor.write(|analysis| analysis.edit_colour(object, color));
+                let written = editor.write(|analysis| analysis.edit_colour(object, colour));
                 self.note_written(written);
             }
         }

@@ -232,7 +232,7 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
     };
     let flag = |varies: bool, flag: u32| if varies { flag } else { 0 };
     let through = flag(look.varies_through(), VARIES_THROUGH);
-    let color = flag(look.varies_in_color(), VARIES_COLOR);
+    let colour = flag(look.varies_in_colour(), VARIES_COLOR);
     FaceMaterial {
         color: three(base.colour),
         scattered: scattered as f32,
@@ -241,7 +241,7 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
         specular: base.specular as f32,
         shininess: base.shininess as f32,
         lists,
-        varies: look.lists.len() as u32 | through | color,
+        varies: look.lists.len() as u32 | through | colour,
     }
 }
 

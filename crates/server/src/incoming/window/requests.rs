@@ -32,7 +32,7 @@ pub(super) enum WindowRequest {
         position: [f64; 3],
     },
     /// To write the colour of an object into the text.
-    WriteColor { object: String, color: [f64; 3] },
+    WriteColour { object: String, colour: [f64; 3] },
 }
 
 /// Sends the requests of a window to the editor, one after the other.
@@ -49,8 +49,8 @@ pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<W
                     direction,
                     position,
                 } => window.write_camera(name, direction, position).await,
-                WindowRequest::WriteColor { object, color } => {
-                    window.write_color(object, color).await
+                WindowRequest::WriteColour { object, colour } => {
+                    window.write_colour(object, colour).await
                 }
             }
         };
@@ -120,10 +120,10 @@ impl PreviewWindow {
         self.write("Write camera".to_owned(), subject, make).await;
     }
 
-    async fn write_color(&self, object: String, color: [f64; 3]) {
+    async fn write_colour(&self, object: String, colour: [f64; 3]) {
         let subject = format!("The colour of `{object}`");
         let make = move |analysis: &dyn Analysis| {
-            let edit = analysis.edit_colour(&object, color);
+            let edit = analysis.edit_colour(&object, colour);
             edit.map_err(|refusal| refusal.to_string())
         };
         self.write("Change a colour".to_owned(), subject, make)

@@ -185,7 +185,7 @@ fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedCo
     let is_held = ui.input(|input| input.pointer.any_down());
     if !is_held && colour != stated {
         ui.data_mut(|data| data.remove_temp::<[u8; 3]>(id));
-        window.write_color(name, colour.map(|part| f64::from(part) / 255.0));
+        window.write_colour(name, colour.map(|part| f64::from(part) / 255.0));
     }
 }
 
