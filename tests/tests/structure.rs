@@ -54,10 +54,6 @@ const REPEATED: &[(&str, &str)] = &[
         "Ray",
         "a geodesic that is integrated, one of a fan, and a straight half-line: none imports another",
     ),
-    (
-        "View",
-        "the renderer's trait, the protocol's message, and the window's choices: none imports another",
-    ),
 ];
 
 #[test]

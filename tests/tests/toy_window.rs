@@ -11,7 +11,7 @@ use egui_kittest::{Harness, TestRenderer};
 use ide::Languages;
 use image::RgbaImage;
 use preview::Window;
-use protocol::{Command, Hello, View};
+use protocol::{Command, Hello, ViewName};
 use render::Views;
 use testing::toy_language::Dots;
 use testing::toy_view::BandsView;
@@ -130,7 +130,7 @@ fn a_message_of_the_server_opens_a_third_view() {
         text: TWO_POINTS.into(),
     };
     let show = Command::Show {
-        view: Some(View::of_scene("bands")),
+        view: Some(ViewName::of_scene("bands")),
     };
     for command in [Command::Hello(Hello::own()), text, show] {
         let line = serde_json::to_string(&command).expect("a message");

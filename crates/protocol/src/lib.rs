@@ -74,7 +74,7 @@ pub enum Command {
     /// A view is to be shown: opened if it is not open, and brought to the front.
     Show {
         /// The view; the scene's first view if absent.
-        view: Option<View>,
+        view: Option<ViewName>,
     },
     /// The cursor is at an offset in this version of the text; the object declared there is highlighted.
     Cursor {
@@ -87,9 +87,9 @@ pub enum Command {
     Close,
 }
 
-/// A view of a scene. The window defines which views exist.
+/// The name of a view of a scene. The window defines which views exist.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
-pub struct View {
+pub struct ViewName {
     /// The name of the view: `3d`, `geodesic`.
     pub view: String,
     /// The name of the object that the view shows; `None` for a view of the whole scene.
@@ -97,8 +97,8 @@ pub struct View {
     pub surface: Option<String>,
 }
 
-impl View {
-    /// Returns a view of the whole scene.
+impl ViewName {
+    /// Returns the name of a view of the whole scene.
     #[must_use]
     pub fn of_scene(view: impl Into<String>) -> Self {
         Self {
@@ -107,7 +107,7 @@ impl View {
         }
     }
 
-    /// Returns a view of one object.
+    /// Returns the name of a view of one object.
     #[must_use]
     pub fn of_object(view: impl Into<String>, object: impl Into<String>) -> Self {
         Self {
@@ -118,7 +118,7 @@ impl View {
 }
 
 /// The view that is shown unless another is named.
-impl Default for View {
+impl Default for ViewName {
     fn default() -> Self {
         Self::of_scene("3d")
     }

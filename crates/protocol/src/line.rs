@@ -194,7 +194,7 @@ mod tests {
 
     use super::{LONGEST, ReadError, Reader, WriteError, write};
     use crate::changes::Changes;
-    use crate::{Command, Event, Hello, View};
+    use crate::{Command, Event, Hello, ViewName};
 
     fn read(bytes: &[u8]) -> Vec<Result<Option<Event>, ReadError>> {
         // A small buffer, so that lines come in pieces.
@@ -228,10 +228,10 @@ mod tests {
             },
             Command::Show { view: None },
             Command::Show {
-                view: Some(View::default()),
+                view: Some(ViewName::default()),
             },
             Command::Show {
-                view: Some(View::of_object("geodesic", "s")),
+                view: Some(ViewName::of_object("geodesic", "s")),
             },
             Command::Cursor {
                 version: 1,

@@ -176,7 +176,7 @@ mod tests {
 
     use super::{MOST_VIEWS, Mailbox};
     use crate::changes::Changes;
-    use crate::{Command, Hello, View};
+    use crate::{Command, Hello, ViewName};
 
     fn text(version: i32) -> Command {
         Command::Text {
@@ -202,7 +202,7 @@ mod tests {
 
     fn show(surface: &str) -> Command {
         Command::Show {
-            view: Some(View::of_object("geodesic", surface)),
+            view: Some(ViewName::of_object("geodesic", surface)),
         }
     }
 

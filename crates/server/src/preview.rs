@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use protocol::changes::Changes;
-use protocol::{Command, Hello, View};
+use protocol::{Command, Hello, ViewName};
 use tokio::sync::mpsc::Receiver;
 
 use crate::documents::{Open, Snapshot};
@@ -112,7 +112,7 @@ impl Previews {
 
     /// Brings a document's window to the front. Returns false if it has none. A window that has ended, but whose end
     /// has not been reported yet, is forgotten.
-    pub(crate) fn show(&mut self, uri: &str, view: Option<&View>) -> bool {
+    pub(crate) fn show(&mut self, uri: &str, view: Option<&ViewName>) -> bool {
         let Some(preview) = self.open.get(uri) else {
             return false;
         };
@@ -135,7 +135,7 @@ impl Previews {
         program: &WindowProgram,
         snapshot: &Snapshot,
         path: Option<String>,
-        view: Option<View>,
+        view: Option<ViewName>,
         cursor: Option<u32>,
     ) -> std::io::Result<Started> {
         let (process, outputs) = Process::start(program)?;

@@ -537,7 +537,7 @@ pub(crate) fn hint(snapshot: &Snapshot, hint: &Hint) -> lsp::InlayHint {
 }
 
 pub(crate) fn lens(snapshot: &Snapshot, lens: &Lens) -> lsp::CodeLens {
-    let view = protocol::View {
+    let view = protocol::ViewName {
         view: lens.view.to_owned(),
         surface: lens.object.clone(),
     };

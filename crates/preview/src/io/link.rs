@@ -23,7 +23,7 @@ pub(crate) enum LinkEvent {
     /// A view of the text of a version is to be shown.
     Show {
         /// The view; the first view of the scene if none is named.
-        view: Option<protocol::View>,
+        view: Option<protocol::ViewName>,
         /// The version of the last text before it, if there was one.
         version: Option<i32>,
     },

@@ -8,7 +8,7 @@ use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use preview::Window;
-use protocol::{Command, Event, Hello, View};
+use protocol::{Command, Event, Hello, ViewName};
 
 use crate::hand::{FRAME, SPHERE};
 
@@ -72,7 +72,7 @@ impl Desk {
 
     fn show_inside(&mut self, surface: &str) {
         self.send(&Command::Show {
-            view: Some(View::of_object("geodesic", surface)),
+            view: Some(ViewName::of_object("geodesic", surface)),
         });
     }
 

@@ -8,7 +8,7 @@ mod requests;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use protocol::{Event, View, handshake};
+use protocol::{Event, ViewName, handshake};
 use tokio::sync::mpsc::{self, Receiver};
 use tokio::time::{Instant, sleep_until, timeout};
 use tower_lsp::Client;
@@ -34,7 +34,7 @@ pub(super) fn open(
     session: &Arc<Mutex<Session>>,
     client: &Client,
     uri: &lsp::Uri,
-    view: Option<View>,
+    view: Option<ViewName>,
 ) {
     let opened = start(&mut lock(session), uri, view);
     let client = client.clone();
@@ -132,7 +132,7 @@ fn name(uri: &lsp::Uri) -> String {
 fn start(
     session: &mut Session,
     uri: &lsp::Uri,
-    view: Option<View>,
+    view: Option<ViewName>,
 ) -> Result<Option<(Started, Duration)>, (lsp::MessageType, String)> {
     let Some(snapshot) = session.documents.get(uri.as_str()).map(Open::snapshot) else {
         let message = format!(
@@ -146,11 +146,11 @@ fn start(
     }
     let Some(program) = session.window.clone() else {
         let inside = match &view {
-            Some(View {
+            Some(ViewName {
                 view,
                 surface: Some(surface),
             }) => format!(" --view {view}:{surface}"),
-            Some(other) if *other != View::default() => format!(" --view {}", other.view),
+            Some(other) if *other != ViewName::default() => format!(" --view {}", other.view),
             _ => String::new(),
         };
         let file = name(uri);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use protocol::View;
+use protocol::ViewName;
 use tower_lsp::Client;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
@@ -114,7 +114,7 @@ pub(super) async fn execute_command(
     };
     let view = arguments.next().unwrap_or_default();
     // The window defines which views exist.
-    let view = serde_json::from_value::<View>(view).ok();
+    let view = serde_json::from_value::<ViewName>(view).ok();
     let Ok(uri) = uri.parse::<lsp::Uri>() else {
         let message = format!("{uri} is not the URI of a document");
         return Err(failed(ErrorCode::InvalidParams, message));

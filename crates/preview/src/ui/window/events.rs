@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use protocol::{Command, Event, View};
+use protocol::{Command, Event, ViewName};
 use render::ViewId;
 use session::StatusMessage;
 use session::pane::Pane;
@@ -231,10 +231,10 @@ impl Window {
     }
 
     /// Shows a view of the text of a version.
-    fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
+    fn show_view(&mut self, view: Option<ViewName>, version: Option<i32>) {
         self.display.raise = true;
         let first = ViewId::of_scene(self.views.first().name());
-        let Some(View { view, surface }) = view else {
+        let Some(ViewName { view, surface }) = view else {
             // A scene of which the first view shows nothing is shown without it.
             if self.panes.has_first() {
                 self.bring_forward(&Pane::View(first));
