@@ -15,9 +15,9 @@ use serde::Deserialize;
 pub enum CameraKind {
     /// No movable camera.
     Fixed,
-    /// A camera in space, which all views in space share: `View::space` of the model.
+    /// A camera in space, which all views in space share: `Choices::space` of the model.
     Space,
-    /// A camera on a surface or a solid: `View::inside` of the model.
+    /// A camera on a surface or a solid: `Choices::inside` of the model.
     Geodesic,
 }
 

@@ -181,7 +181,7 @@ impl<'a> ClickedObject<'a> {
         if !has_camera {
             return Ok(None);
         }
-        let zoom = model.view.inside.get(name).map(InsideCamera::zoom);
+        let zoom = model.choices.inside.get(name).map(InsideCamera::zoom);
         self.subject().camera_at(self.hit, zoom).map(Some)
     }
 }

@@ -1,21 +1,21 @@
 //! The difference between two views: the entries of one that differ in the other.
 //!
-//! A step stores only what it has replaced. Exchanging that with the current view undoes the step, and exchanging it
+//! A step stores only what it has replaced. Exchanging that with the current choices undoes the step, and exchanging it
 //! again redoes the step; entries that other steps have changed meanwhile stay as they are.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::camera::SpaceCamera;
+use super::choices::{Animation, Choices, Look, Preferences, TextureChoice};
 use super::inside_camera::InsideCamera;
-use super::view::{Animation, Choice, Look, Preferences, View};
 
 /// Entries by their keys; `None` for an absent entry.
 type Entries<K, V> = BTreeMap<K, Option<V>>;
 /// A param's name and one of its components, from 0.
 type Component = (String, usize);
 
-/// Some entries of a view. The closed panes are not among them: closing one is not a step.
+/// Some entries of the choices. The closed panes are not among them: closing one is not a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Difference {
     looks: Entries<String, Look>,
@@ -24,22 +24,22 @@ pub(super) struct Difference {
     space: Option<Option<SpaceCamera>>,
     inside: Entries<String, InsideCamera>,
     textures: Option<Vec<PathBuf>>,
-    default_texture: Option<Choice>,
+    default_texture: Option<TextureChoice>,
     preferences: Option<Preferences>,
 }
 
 impl Difference {
-    /// Returns the entries of a view that differ in another one.
-    pub(super) fn of(view: &View, other: &View) -> Self {
+    /// Returns the entries of choices that differ in others.
+    pub(super) fn of(choices: &Choices, other: &Choices) -> Self {
         Self {
-            looks: entries(&view.looks, &other.looks),
-            params: entries(&values(view), &values(other)),
-            animated: entries(&animated(view), &animated(other)),
-            space: (view.space != other.space).then_some(view.space),
-            inside: entries(&view.inside, &other.inside),
-            textures: differing(&view.textures, &other.textures),
-            default_texture: differing(&view.default_texture, &other.default_texture),
-            preferences: differing(&view.preferences, &other.preferences),
+            looks: entries(&choices.looks, &other.looks),
+            params: entries(&values(choices), &values(other)),
+            animated: entries(&animated(choices), &animated(other)),
+            space: (choices.space != other.space).then_some(choices.space),
+            inside: entries(&choices.inside, &other.inside),
+            textures: differing(&choices.textures, &other.textures),
+            default_texture: differing(&choices.default_texture, &other.default_texture),
+            preferences: differing(&choices.preferences, &other.preferences),
         }
     }
 
@@ -68,27 +68,27 @@ impl Difference {
         self.preferences = self.preferences.take().or(other.preferences);
     }
 
-    /// Exchanges its entries with those of a view. Returns what has changed in the view.
-    pub(super) fn exchange(&mut self, view: &mut View) -> Exchanged {
-        let mut params = values(view);
-        let mut animations = animated(view);
-        let cameras = exchange(&mut self.inside, &mut view.inside);
+    /// Exchanges its entries with those of the choices. Returns what has changed in them.
+    pub(super) fn exchange(&mut self, choices: &mut Choices) -> Exchanged {
+        let mut params = values(choices);
+        let mut animations = animated(choices);
+        let cameras = exchange(&mut self.inside, &mut choices.inside);
         let values = exchange(&mut self.params, &mut params);
         let animated = exchange(&mut self.animated, &mut animations);
-        let looks = exchange(&mut self.looks, &mut view.looks);
+        let looks = exchange(&mut self.looks, &mut choices.looks);
         for (name, component) in &values {
             let value = params.get(&(name.clone(), *component)).copied();
-            view.choose(name, *component, value);
+            choices.choose(name, *component, value);
         }
         for key in &animated {
             let on = animations.get(key).copied().unwrap_or_default();
-            view.animate(&key.0, key.1, on);
+            choices.animate(&key.0, key.1, on);
         }
         let others = [
-            swap(&mut self.space, &mut view.space),
-            swap(&mut self.textures, &mut view.textures),
-            swap(&mut self.default_texture, &mut view.default_texture),
-            swap(&mut self.preferences, &mut view.preferences),
+            swap(&mut self.space, &mut choices.space),
+            swap(&mut self.textures, &mut choices.textures),
+            swap(&mut self.default_texture, &mut choices.default_texture),
+            swap(&mut self.preferences, &mut choices.preferences),
         ];
         let any = others.contains(&true) || !values.is_empty() || !looks.is_empty();
         Exchanged {
@@ -172,8 +172,8 @@ fn swap<V: PartialEq>(value: &mut Option<V>, other: &mut V) -> bool {
 }
 
 /// Returns the chosen values, by component.
-fn values(view: &View) -> BTreeMap<Component, f64> {
-    let params = view.params.iter();
+fn values(choices: &Choices) -> BTreeMap<Component, f64> {
+    let params = choices.params.iter();
     let all = params.flat_map(|(name, values)| {
         let numbered = values.iter().enumerate();
         numbered.filter_map(|(k, value)| Some(((name.clone(), k), (*value)?)))
@@ -182,8 +182,8 @@ fn values(view: &View) -> BTreeMap<Component, f64> {
 }
 
 /// Returns the animated components.
-fn animated(view: &View) -> BTreeMap<Component, bool> {
-    let animations = view.animations.iter();
+fn animated(choices: &Choices) -> BTreeMap<Component, bool> {
+    let animations = choices.animations.iter();
     let all = animations.flat_map(|(name, Animation { on, .. })| {
         let numbered = on.iter().enumerate();
         numbered

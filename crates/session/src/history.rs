@@ -1,13 +1,13 @@
-//! Undo and redo of changes of the view. Changes of the text are not among them.
+//! Undo and redo of changes of the choices. Changes of the text are not among them.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use scene::ParamValues;
 
+use super::choices::Choices;
 use super::difference::{Difference, Exchanged};
 use super::path::CameraPath;
-use super::view::View;
 
 /// The name of a change.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -103,12 +103,12 @@ impl History {
     /// Undoes the last step that has an effect. Returns its title.
     pub(super) fn undo(
         &mut self,
-        view: &mut View,
+        choices: &mut Choices,
         exchange: &mut ExchangeTrails<'_>,
     ) -> Option<&'static str> {
         loop {
             let mut entry = self.past.pop_back()?;
-            if let Some(title) = entry.travel(view, exchange) {
+            if let Some(title) = entry.travel(choices, exchange) {
                 self.future.push(entry);
                 self.settled = true;
                 return Some(title);
@@ -119,12 +119,12 @@ impl History {
     /// Redoes the next step that has an effect. Returns its title.
     pub(super) fn redo(
         &mut self,
-        view: &mut View,
+        choices: &mut Choices,
         exchange: &mut ExchangeTrails<'_>,
     ) -> Option<&'static str> {
         loop {
             let mut entry = self.future.pop()?;
-            if let Some(title) = entry.travel(view, exchange) {
+            if let Some(title) = entry.travel(choices, exchange) {
                 self.past.push_back(entry);
                 self.settled = true;
                 return Some(title);
@@ -166,10 +166,10 @@ impl MadeStep {
     /// Exchanges what the step has replaced with the current state. Returns `None` if the two are the same.
     fn travel(
         &mut self,
-        view: &mut View,
+        choices: &mut Choices,
         exchange: &mut ExchangeTrails<'_>,
     ) -> Option<&'static str> {
-        let Exchanged { mut any, cameras } = self.replaced.exchange(view);
+        let Exchanged { mut any, cameras } = self.replaced.exchange(choices);
         for surface in cameras {
             self.trails.entry(surface).or_default();
         }

@@ -30,6 +30,7 @@ pub mod attention;
 pub mod camera;
 pub mod camera_controller;
 pub mod camera_input;
+pub mod choices;
 pub mod clicks;
 pub mod constant;
 mod difference;
@@ -53,19 +54,18 @@ pub mod request;
 pub mod snapping;
 pub mod textures;
 pub mod typing;
-pub mod view;
 
 pub use camera::SpaceCamera;
+pub use choices::{
+    Animation, Choices, Look, MOST_SAMPLES, Marks, Opening, Preferences, SCALES, TextureChoice,
+    Theme, WAVEFRONTS,
+};
 pub use faults::ProgramFaults;
 pub use history::{History, Step};
 pub use inside_camera::{ChartCamera, InsideCamera, SolidCamera};
 pub use model::Model;
 pub use path::CameraPath;
 pub use program::{Compiled, Finding};
-pub use view::{
-    Animation, Choice, Look, MOST_SAMPLES, Marks, Opening, Preferences, SCALES, Theme, View,
-    WAVEFRONTS,
-};
 
 /// The kind of a sentence of the status line, which determines how long it is shown.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

@@ -16,12 +16,12 @@ use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
+use super::choices::{Animation, Choices, Marks, Opening};
 use super::difference::Difference;
 use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
 use super::path::CameraPath;
 use super::program::Compiled;
-use super::view::{Animation, Marks, Opening, View};
 use placement::Placement;
 
 /// The background of the views in space in a light window, sRGB.
@@ -52,7 +52,7 @@ pub struct ReadText {
 #[derive(Debug, Default)]
 pub struct Model {
     /// The user's choices of what is shown.
-    pub view: View,
+    pub choices: Choices,
     /// The steps that can be undone.
     pub history: History,
     /// The scene that is shown: that of the params' values.
@@ -91,13 +91,13 @@ pub struct Model {
 }
 
 impl Model {
-    /// Takes over the saved view of another program. The history of the previous one is dropped.
-    pub fn turn_to(&mut self, view: View) {
+    /// Takes over the saved choices of another program. The history of the previous one is dropped.
+    pub fn turn_to(&mut self, choices: Choices) {
         self.history = History::default();
         self.placing = None;
         self.paths.clear();
         self.measured = None;
-        self.view = view;
+        self.choices = choices;
         self.take_settings();
     }
 
@@ -168,12 +168,12 @@ impl Model {
     fn heed_openings(&mut self, scene: &Scene) {
         for param in &scene.params {
             let now = Opening::all(param);
-            let Some(before) = self.view.openings.remove(&param.name) else {
+            let Some(before) = self.choices.openings.remove(&param.name) else {
                 continue;
             };
             let both = before.iter().zip(&now).enumerate();
             for (k, _) in both.filter(|(_, (before, now))| before.differs(now)) {
-                self.view.choose(&param.name, k, None);
+                self.choices.choose(&param.name, k, None);
                 self.history.drop_value(&param.name, k);
             }
         }
@@ -182,9 +182,9 @@ impl Model {
 
     /// Stores the declared values of each param that has a chosen value.
     fn note_openings(&mut self, scene: &Scene) {
-        let View {
+        let Choices {
             params, openings, ..
-        } = &mut self.view;
+        } = &mut self.choices;
         openings.retain(|name, _| params.contains_key(name));
         for name in params.keys() {
             if openings.contains_key(name) {
@@ -205,7 +205,7 @@ impl Model {
     pub fn is_stale_in(&self, view: &dyn render::view::View) -> bool {
         self.is_stale()
             && self.shown_in(view).any(|it| {
-                self.faults.stale().contains(&it.name) && !self.view.look(&it.name).hidden
+                self.faults.stale().contains(&it.name) && !self.choices.look(&it.name).hidden
             })
     }
 
@@ -237,19 +237,19 @@ impl Model {
     }
 
     /// Makes an undoable step.
-    pub fn change(&mut self, step: Step, edit: impl FnOnce(&mut View)) {
+    pub fn change(&mut self, step: Step, edit: impl FnOnce(&mut Choices)) {
         self.keep_placement();
-        let before = self.view.clone();
+        let before = self.choices.clone();
         self.adjust(edit);
-        let replaced = Difference::of(&before, &self.view);
+        let replaced = Difference::of(&before, &self.choices);
         if !replaced.is_empty() {
             self.history.record(step, replaced, Trails::default());
         }
     }
 
-    /// Changes the view without a step: for an animation, or a worker's result.
-    pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
-        edit(&mut self.view);
+    /// Changes the choices without a step: for an animation, or a worker's result.
+    pub fn adjust(&mut self, edit: impl FnOnce(&mut Choices)) {
+        edit(&mut self.choices);
         self.take_settings();
         if let Some(scene) = self.scene.clone() {
             self.note_openings(&scene);
@@ -258,9 +258,9 @@ impl Model {
 
     /// Changes the overlays. Axes need room: a camera that the user has not moved is placed anew for them.
     pub fn set_marks(&mut self, marks: Marks) {
-        let needs_room = marks.axes != self.view.preferences.marks.axes;
+        let needs_room = marks.axes != self.choices.preferences.marks.axes;
         let step = Step::new("Change the overlays", "");
-        self.change(step, |view| view.preferences.marks = marks);
+        self.change(step, |choices| choices.preferences.marks = marks);
         self.history.settle();
         if needs_room {
             self.reframe();
@@ -279,7 +279,7 @@ impl Model {
 
     fn travel(
         &mut self,
-        step: impl FnOnce(&mut History, &mut View, &mut ExchangeTrails<'_>) -> Option<&'static str>,
+        step: impl FnOnce(&mut History, &mut Choices, &mut ExchangeTrails<'_>) -> Option<&'static str>,
     ) -> Option<&'static str> {
         self.keep_placement();
         let settings = self.settings();
@@ -295,7 +295,7 @@ impl Model {
                 settings: settings.clone()?,
             })
         };
-        let title = step(&mut self.history, &mut self.view, &mut exchange)?;
+        let title = step(&mut self.history, &mut self.choices, &mut exchange)?;
         self.adjust(|_| {});
         Some(title)
     }
@@ -327,11 +327,11 @@ impl Model {
     /// Returns the params' values for the scene: the chosen ones, clamped to their intervals.
     pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
         let scene = self.scene.as_ref()?;
-        let view = &self.view;
+        let choices = &self.choices;
         let settings = self.settings.get_or_insert_with(|| {
             let mut settings = ParamValues::initial(scene);
             for param in &scene.params {
-                let Some(values) = view.params.get(&param.name) else {
+                let Some(values) = choices.params.get(&param.name) else {
                     continue;
                 };
                 let mut all = settings.param(param).to_vec();
@@ -352,7 +352,7 @@ impl Model {
     pub fn hidden(&self) -> Vec<ObjectId> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let numbered = (0..).map(ObjectId::new).zip(objects);
-        let hidden = numbered.filter(|(_, object)| self.view.look(&object.name).hidden);
+        let hidden = numbered.filter(|(_, object)| self.choices.look(&object.name).hidden);
         hidden.map(|(id, _)| id).collect()
     }
 
@@ -421,7 +421,7 @@ impl Model {
             true => LIGHT_BACKGROUND,
             false => render::style::BACKGROUND,
         };
-        self.view.preferences.background.unwrap_or(of_theme)
+        self.choices.preferences.background.unwrap_or(of_theme)
     }
 
     /// Highlights the object whose declaration the cursor is in.
@@ -443,7 +443,7 @@ impl Model {
         };
         let mut moved = false;
         for param in &scene.params {
-            let Some(animation) = self.view.animations.get(&param.name) else {
+            let Some(animation) = self.choices.animations.get(&param.name) else {
                 continue;
             };
             let Animation { on, speed } = animation.clone();
@@ -451,7 +451,7 @@ impl Model {
             let numbered = values.enumerate().zip(on);
             for ((k, (value, range)), _) in numbered.filter(|(_, on)| *on) {
                 let next = advanced(*value, seconds * speed, range.min, range.max);
-                self.adjust(|view| view.choose(&param.name, k, Some(next)));
+                self.adjust(|choices| choices.choose(&param.name, k, Some(next)));
                 moved = true;
             }
         }
@@ -463,7 +463,7 @@ impl Model {
         let params = self.scene.iter().flat_map(|scene| &scene.params);
         params
             .filter_map(|param| {
-                let animation = self.view.animations.get(&param.name)?;
+                let animation = self.choices.animations.get(&param.name)?;
                 Some(animation.on.iter().take(param.ranges.len()).any(|on| *on))
             })
             .any(|on| on)

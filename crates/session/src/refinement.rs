@@ -4,8 +4,8 @@
 
 use render::{PictureRequest, ViewId};
 
+use crate::choices::Preferences;
 use crate::request::differ_by_refinement;
-use crate::view::Preferences;
 
 /// The target duration of a picture of a moving view, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
@@ -141,7 +141,7 @@ mod tests {
     use scene::ParamValues;
 
     use super::{PictureDetail, TracedPane, size};
-    use crate::view::Preferences;
+    use crate::choices::Preferences;
 
     #[test]
     fn a_picture_that_takes_long_is_coarser_while_its_view_moves() {

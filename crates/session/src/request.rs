@@ -13,7 +13,7 @@ use scene::{Object, ObjectId, Scene};
 
 use crate::model::Emphasis;
 use crate::textures::{ImageSource, Library};
-use crate::{Choice, Marks, Model};
+use crate::{Marks, Model, TextureChoice};
 
 /// A pane for which a picture is requested.
 #[derive(Clone, Copy, Debug)]
@@ -38,12 +38,12 @@ pub fn picture_request(
     let id = pane.id;
     let scene = model.scene.clone()?;
     let other = views.instead_of(&id.kind);
-    let other = other.filter(|_| id.object.is_none() && model.view.preferences.traced);
+    let other = other.filter(|_| id.object.is_none() && model.choices.preferences.traced);
     let mut view = match other {
         Some(other) => other.options(None),
         None => views.options(id, &scene)?,
     };
-    let marks = model.view.preferences.marks.clone();
+    let marks = model.choices.preferences.marks.clone();
     for setting in views.get(&id.kind)?.settings() {
         view.set(setting.name, marks.is_on(setting));
     }
@@ -79,14 +79,14 @@ pub fn picture_request(
 
 /// Sets the camera, the background and the highlighted object of a view in space.
 fn show_space(model: &Model, scene: &Scene, space: &mut SpaceOptions) {
-    let camera = model.view.space;
+    let camera = model.choices.space;
     let camera = camera.filter(|_| !model.follows_declared_camera());
     space.declared = model.declared_camera().map(|camera| camera.name.clone());
     let [r, g, b] = model.background();
     space.camera = Viewpoint {
         eye: camera.map(|it| it.eye.into()),
         target: camera.map(|it| it.target.into()),
-        projection: match model.view.preferences.orthographic {
+        projection: match model.choices.preferences.orthographic {
             true => Projection::Orthographic,
             false => Projection::Perspective,
         },
@@ -128,14 +128,14 @@ fn add_textures(
     let scene = request.scene.clone();
     for (id, object) in scene.numbered().filter(|(id, _)| !hidden.contains(id)) {
         if object.shape.manifold().is_some() {
-            if model.view.look(&object.name).flipped {
+            if model.choices.look(&object.name).flipped {
                 request.flipped.push(id);
             }
-            let choice = model.view.texture(&object.name);
-            if *choice == Choice::Curvature {
+            let choice = model.choices.texture(&object.name);
+            if *choice == TextureChoice::Curvature {
                 request.curved.push(id);
             }
-            if *choice != Choice::Default
+            if *choice != TextureChoice::Default
                 && let Some(texture) = library.texture(choice)
             {
                 request.textures.push((id, texture.into()));
@@ -155,7 +155,7 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
     let stale = model.faults.stale();
     let defaults = render::style::colours(scene, Theme::Screen, model.shows_curvature());
     let colour = |(id, object): (ObjectId, &Object)| {
-        let look = model.view.looks.get(&object.name);
+        let look = model.choices.looks.get(&object.name);
         let chosen = look.and_then(|look| look.colour);
         if dims && stale.contains(&object.name) {
             let colour = chosen.unwrap_or(defaults[id.index()]);
@@ -185,7 +185,7 @@ pub fn at_rest(mut request: PictureRequest, model: &Model, size: [u32; 2]) -> Pi
     request.size = size;
     request.moving = false;
     if request.view.samples().is_some() {
-        request.view.set_samples(model.view.preferences.samples);
+        request.view.set_samples(model.choices.preferences.samples);
     }
     request.colours = colours(model, false);
     if let Some(space) = request.view.space_mut() {
@@ -267,8 +267,9 @@ define unused = 1;
 ";
         let languages = ide::Languages::standard();
         let mut model = Model::default();
-        model
-            .adjust(|view| view.looks.entry("o".into()).or_default().colour = Some([200, 100, 50]));
+        model.adjust(|choices| {
+            choices.looks.entry("o".into()).or_default().colour = Some([200, 100, 50])
+        });
         let mut reader = Reader::default();
         let mut take = |model: &mut Model, version, text: String| {
             let source = SourceText {

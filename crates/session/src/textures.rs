@@ -11,7 +11,7 @@ use render::shared::Shared;
 use render::texture::Texture;
 use scene::Scene;
 
-use crate::view::Choice;
+use crate::choices::TextureChoice;
 
 /// Finds images and reads them.
 pub trait ImageSource {
@@ -69,11 +69,11 @@ impl<S: ImageSource> Library<S> {
 
     /// Returns the texture of a choice. An image that has not been read is requested, and shows nothing until it
     /// arrives.
-    pub fn texture(&mut self, choice: &Choice) -> Option<Arc<Texture>> {
+    pub fn texture(&mut self, choice: &TextureChoice) -> Option<Arc<Texture>> {
         match choice {
-            Choice::Default | Choice::Curvature => None,
-            Choice::Plain => Some(Texture::plain()),
-            Choice::Image(path) => {
+            TextureChoice::Default | TextureChoice::Curvature => None,
+            TextureChoice::Plain => Some(Texture::plain()),
+            TextureChoice::Image(path) => {
                 if !self.images.contains_key(path) {
                     let state = self.source.read(path);
                     self.put(path.clone(), state);
@@ -94,7 +94,7 @@ impl<S: ImageSource> Library<S> {
             let file = files
                 .entry(word.to_owned())
                 .or_insert_with(|| source.file_of(word));
-            let choice = file.clone().map(Choice::Image);
+            let choice = file.clone().map(TextureChoice::Image);
             let texture = choice.and_then(|choice| self.texture(&choice));
             images.extend(texture.map(|texture| (word.to_owned(), texture.into())));
         }

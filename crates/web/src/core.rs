@@ -27,7 +27,7 @@ use session::questions::Measurer;
 use session::reader::Read;
 use session::snapping::SnapTargets;
 use session::textures::{ImageState, Library};
-use session::{Model, View};
+use session::{Choices, Model};
 
 use crate::editing::Editing;
 use crate::examples;
@@ -67,7 +67,7 @@ struct SentState {
     /// True if the scene may differ from the one that was sent.
     is_stale: bool,
     scene: Option<SceneInfo>,
-    settings: View,
+    settings: Choices,
 }
 
 impl Core {
@@ -240,7 +240,7 @@ impl Core {
         self.editing = Editing::open(&self.languages, name, text, version)?;
         self.model.forget_program();
         self.model.turn_to(view);
-        self.sent.settings.clone_from(&self.model.view);
+        self.sent.settings.clone_from(&self.model.choices);
         self.sent.scene = None;
         // Other bounds, other samples: nothing of another program's pictures can be reused.
         self.renderer = Renderer::software().with_views(self.views.clone());
@@ -251,7 +251,8 @@ impl Core {
         let scene = self.model.scene.as_ref();
         if !is_chosen && scene.is_some_and(|scene| scene.picture.is_some()) {
             // A text that describes a picture is shown as that picture.
-            self.model.adjust(|view| view.preferences.traced = true);
+            self.model
+                .adjust(|choices| choices.preferences.traced = true);
         }
         Ok(())
     }
@@ -318,8 +319,8 @@ impl Core {
                 self.events.push(CoreEvent::Scene(Box::new(scene)));
             }
         }
-        if !self.is_moving() && self.sent.settings != self.model.view {
-            self.sent.settings.clone_from(&self.model.view);
+        if !self.is_moving() && self.sent.settings != self.model.choices {
+            self.sent.settings.clone_from(&self.model.choices);
             let settings = self.settings();
             self.events.push(CoreEvent::Settings { settings });
         }

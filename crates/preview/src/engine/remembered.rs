@@ -8,12 +8,12 @@ use render::texture::Texture;
 use render::trail::Trail;
 use render::{PictureRequest, ViewId, Views};
 use scene::Scene;
+use session::Theme;
 use session::figures;
 use session::measuring::PlacedFigure;
 use session::request::{PaneRequest, at_rest, picture_request};
 use session::textures::ImageState;
-use session::view::Theme;
-use session::{Choice, Model};
+use session::{Model, TextureChoice};
 
 use crate::engine::textures::Library;
 use crate::io::persistence::{self, Drawn, DrawnFigure};
@@ -32,14 +32,14 @@ pub fn remembered(
 ) -> Result<PictureRequest, String> {
     let known = persistence::read(program).map_err(|reason| reason.to_string())?;
     let drawn = known.drawn;
-    let is_light = known.view.preferences.theme == Theme::Light;
+    let is_light = known.choices.preferences.theme == Theme::Light;
     let mut model = Model::default();
-    model.turn_to(known.view);
+    model.turn_to(known.choices);
     model.is_light = is_light;
     model.take_scene(Arc::clone(scene));
     let mut library = Library::default();
     for name in model.surfaces() {
-        if let Choice::Image(path) = model.view.texture(&name) {
+        if let TextureChoice::Image(path) = model.choices.texture(&name) {
             let texture =
                 Texture::load(path, &library.source.budget).map_err(|error| error.to_string())?;
             library.put(path.clone(), ImageState::Ready(Arc::new(texture)));

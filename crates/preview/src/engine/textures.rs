@@ -157,7 +157,7 @@ mod tests {
     use std::path::Path;
     use std::sync::mpsc::Receiver;
 
-    use session::Choice;
+    use session::TextureChoice;
     use session::textures::TextureRead;
 
     use super::{ImageFiles, Library, open, turn_to};
@@ -170,7 +170,11 @@ mod tests {
         events: &Receiver<TextureRead>,
         path: &Path,
     ) -> Option<String> {
-        assert!(library.texture(&Choice::Image(path.to_owned())).is_none());
+        assert!(
+            library
+                .texture(&TextureChoice::Image(path.to_owned()))
+                .is_none()
+        );
         library.take(events.recv().expect("an answer"))
     }
 
@@ -204,10 +208,14 @@ mod tests {
         }
         open(&mut first, other.clone());
         assert_eq!(first.take(events.recv().expect("an answer")), None);
-        assert!(first.texture(&Choice::Image(other.clone())).is_some());
+        assert!(
+            first
+                .texture(&TextureChoice::Image(other.clone()))
+                .is_some()
+        );
         let (mut second, events) = library();
         assert_eq!(trouble(&mut second, &events, &other), None);
-        assert!(second.texture(&Choice::Image(other)).is_some());
+        assert!(second.texture(&TextureChoice::Image(other)).is_some());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The window's state between runs: a small JSON file beside the program's.
 //!
-//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the layouts of the panes, and a format
+//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`Choices`], the layouts of the panes, and a format
 //! number. Missing entries have their defaults, unknown ones are skipped, and invalid ones are left out. A file that
 //! cannot be read is renamed before a new one is written.
 
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use session::layout::Layout;
 use session::measuring::PlacedFigure;
-use session::{StatusMessage, View};
+use session::{Choices, StatusMessage};
 
 use crate::channel::{EventSender, start_thread};
 
@@ -39,7 +39,8 @@ struct Remembered {
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Known {
     /// The user's choices of what is shown.
-    pub(crate) view: View,
+    #[serde(rename = "view")]
+    pub(crate) choices: Choices,
     /// The layouts of the panes, for a standalone window and for one beside an editor.
     #[serde(default)]
     pub(crate) layouts: BTreeMap<String, Value>,
@@ -150,8 +151,8 @@ pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
         })?;
     match serde_json::from_slice::<Remembered>(&bytes) {
         Ok(Remembered { format, known }) if format <= FORMAT => {
-            let view = known.view.sane();
-            Ok(Known { view, ..known })
+            let choices = known.choices.sane();
+            Ok(Known { choices, ..known })
         }
         Ok(_) => Err(NotKnown::Unusable(place, "it is of a later version".into())),
         Err(error) => Err(NotKnown::Unusable(place, error.to_string())),
@@ -224,7 +225,7 @@ impl ViewStore {
     ) -> Self {
         let (sender, views) = channel::<Known>();
         let mut written = Known {
-            view: kept(&known.view),
+            choices: kept(&known.choices),
             ..known
         };
         let last = written.clone();
@@ -270,13 +271,13 @@ impl ViewStore {
     /// waiting.
     pub(crate) fn keep(
         &mut self,
-        view: &View,
+        choices: &Choices,
         drawn: Drawn,
         window: &str,
         layout: Option<&Layout>,
     ) {
         let mut next = Known {
-            view: kept(view),
+            choices: kept(choices),
             drawn,
             layouts: self.last.layouts.clone(),
         };
@@ -303,32 +304,32 @@ impl Drop for ViewStore {
 }
 
 /// Returns the part of a view that the user has chosen, without cameras that the user has not moved.
-fn kept(view: &View) -> View {
-    let mut view = view.clone();
-    view.space = view.space.filter(|camera| camera.moved);
-    view.inside.retain(|_, camera| camera.is_moved());
-    view
+fn kept(choices: &Choices) -> Choices {
+    let mut choices = choices.clone();
+    choices.space = choices.space.filter(|camera| camera.moved);
+    choices.inside.retain(|_, camera| camera.is_moved());
+    choices
 }
 
 #[cfg(test)]
 mod tests {
-    use session::{Choice, Look, View};
+    use session::{Choices, Look, TextureChoice};
 
     use super::{Drawn, DrawnFigure, Known, load, place, save};
 
     fn known() -> Known {
-        let mut view = View::default();
-        view.params.insert("a".into(), vec![Some(0.5), None]);
+        let mut choices = Choices::default();
+        choices.params.insert("a".into(), vec![Some(0.5), None]);
         let look = Look {
             colour: Some([1, 2, 3]),
-            texture: Choice::Image("map.png".into()),
+            texture: TextureChoice::Image("map.png".into()),
             flipped: false,
             hidden: true,
         };
-        view.looks.insert("s".into(), look);
+        choices.looks.insert("s".into(), look);
         let layouts = [("alone".to_owned(), serde_json::json!({"pane": "space"}))];
         Known {
-            view,
+            choices,
             layouts: layouts.into(),
             drawn: Drawn {
                 figure: Some(DrawnFigure {

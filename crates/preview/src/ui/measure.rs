@@ -166,7 +166,7 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
 /// Asks for the measures of the point that was found under the pointer; for an object without measures, shows its name.
 pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
     let surface = clicked.object.name.as_str();
-    let camera = window.model.view.inside.get(surface);
+    let camera = window.model.choices.inside.get(surface);
     let question = MeasureQuestion::pointer(clicked, camera);
     let pointer = &mut window.dialogs.measuring.pointer;
     let title = clicked.title();
@@ -300,7 +300,7 @@ fn ask_pointer(window: &mut Window) {
     if before.is_same(&subject) {
         return;
     }
-    let camera = window.model.view.inside.get(&pointer.surface);
+    let camera = window.model.choices.inside.get(&pointer.surface);
     let camera = camera.and_then(InsideCamera::chart);
     let place = match *place {
         PointedPlace::InChart(uv, _) => PointedPlace::InChart(uv, camera.map(ChartCamera::frame)),
@@ -338,7 +338,7 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
             from,
             step,
         } => {
-            let camera = window.model.view.inside.get(&surface);
+            let camera = window.model.choices.inside.get(&surface);
             let camera = camera.and_then(InsideCamera::chart);
             let is_there = camera.is_some_and(|camera| camera.frame() == from);
             let sentence = match step {
@@ -554,7 +554,7 @@ fn ask_walk(window: &mut Window) {
 fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, ChartCamera)> {
     let surface = window.focus.surface.clone()?;
     let path = window.model.paths.get(&surface)?.clone();
-    let camera = *window.model.view.inside.get(&surface)?.chart()?;
+    let camera = *window.model.choices.inside.get(&surface)?.chart()?;
     Some((window.model.subject(&surface)?, path, camera))
 }
 

@@ -289,14 +289,16 @@ fn window_modes(window: &mut Window, ui: &mut Ui) {
 
 /// Shows the entries for the modes of the 3D view.
 fn camera_modes(window: &mut Window, ui: &mut Ui) {
-    let mut fly = window.model.view.preferences.fly;
+    let mut fly = window.model.choices.preferences.fly;
     let hint = "A drag in the 3D view turns the camera in place";
     if ui.checkbox(&mut fly, "Fly").on_hover_text(hint).changed() {
         let step = Step::new("Change a setting", "fly");
-        window.model.change(step, |view| view.preferences.fly = fly);
+        window
+            .model
+            .change(step, |choices| choices.preferences.fly = fly);
     }
     navigation::entries(window, ui);
-    let mut traced = window.model.view.preferences.traced;
+    let mut traced = window.model.choices.preferences.traced;
     let hint = "The 3D view with lights, shadows, mirrors and glass";
     let tick = tick(ui, &mut traced, "Traced", "T");
     if tick.on_hover_text(hint).changed() {
@@ -306,7 +308,7 @@ fn camera_modes(window: &mut Window, ui: &mut Ui) {
 
 /// Shows the entries that write, choose and move cameras.
 fn cameras(window: &mut Window, ui: &mut Ui) {
-    let has_camera = window.model.view.space.is_some() && !window.panes.is_welcome;
+    let has_camera = window.model.choices.space.is_some() && !window.panes.is_welcome;
     if entry(ui, has_camera, "Write camera", "") {
         window.write_camera();
     }
@@ -369,7 +371,7 @@ pub(crate) fn toggle_full_screen(ui: &Ui) {
 }
 
 fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {
-    let mut marks = model.view.preferences.marks.clone();
+    let mut marks = model.choices.preferences.marks.clone();
     let before = marks.clone();
     for (on, title) in [
         (&mut marks.wavefronts, WAVEFRONTS),

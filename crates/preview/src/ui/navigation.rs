@@ -45,7 +45,7 @@ fn turn_to(window: &mut Window, direction: DVec3, ui: &Ui) {
 
 /// Makes the lines of sight parallel, or perspective again.
 pub(crate) fn toggle_orthographic(window: &mut Window) {
-    let on = window.model.view.preferences.orthographic;
+    let on = window.model.choices.preferences.orthographic;
     window.model.set_orthographic(!on);
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn entries(window: &mut Window, ui: &mut Ui) {
             }
         }
     });
-    let mut on = window.model.view.preferences.orthographic;
+    let mut on = window.model.choices.preferences.orthographic;
     let hint = "Parallel lines of sight: equal lengths are equal in the picture";
     let tick = menu::tick(ui, &mut on, ORTHOGRAPHIC, "5");
     if tick.on_hover_text(hint).changed() {
@@ -94,7 +94,7 @@ pub(crate) fn entries(window: &mut Window, ui: &mut Ui) {
 
 /// Shows the gizmo of a view in its upper right corner: the axes as the camera sees them, with ends that turn it.
 pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
-    let Some(camera) = window.model.view.space else {
+    let Some(camera) = window.model.choices.space else {
         return;
     };
     if rect.width().min(rect.height()) < LEAST_SIDE {

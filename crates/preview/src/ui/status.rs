@@ -58,7 +58,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
                 }
             }
             ui.separator();
-            if window.model.view.preferences.run_times {
+            if window.model.choices.preferences.run_times {
                 costs(window, ui);
                 ui.label(&window.display.backend);
                 ui.separator();
@@ -158,8 +158,8 @@ fn point_in_view(window: &Window, ui: &Ui) -> Option<f64> {
     let room = window.pictures.of_views.get(id)?.room?;
     let shorter = f64::from(room[0].min(room[1])) / f64::from(ui.ctx().pixels_per_point());
     let side = match &id.object {
-        Some(surface) => 2.0 * window.model.view.inside.get(surface)?.zoom(),
-        None => window.model.view.space?.side_seen(),
+        Some(surface) => 2.0 * window.model.choices.inside.get(surface)?.zoom(),
+        None => window.model.choices.space?.side_seen(),
     };
     let unit = side / shorter;
     (unit > 0.0 && unit.is_finite()).then_some(unit)
@@ -179,7 +179,7 @@ fn round_distance(most: f64) -> f64 {
 fn trail(window: &Window, ui: &mut Ui) {
     let surface = window.focus.view.object.as_ref();
     let surface = surface.or(window.focus.surface.as_ref());
-    let leaves = window.model.view.preferences.marks.trail;
+    let leaves = window.model.choices.preferences.marks.trail;
     let path = surface.and_then(|name| window.model.paths.get(name));
     if let Some(path) = path.filter(|_| leaves) {
         ui.separator();

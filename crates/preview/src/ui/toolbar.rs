@@ -82,7 +82,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
 }
 
 fn is_on(window: &Window, action: Action) -> bool {
-    let preferences = &window.model.view.preferences;
+    let preferences = &window.model.choices.preferences;
     match action {
         Action::Orthographic => preferences.orthographic,
         Action::Traced => preferences.traced,
@@ -123,7 +123,7 @@ fn run(window: &mut Window, ui: &Ui, action: Action) {
 }
 
 fn mark(window: &mut Window, change: impl FnOnce(&mut Marks)) {
-    let mut marks = window.model.view.preferences.marks.clone();
+    let mut marks = window.model.choices.preferences.marks.clone();
     change(&mut marks);
     window.model.set_marks(marks);
 }

@@ -183,7 +183,7 @@ impl Window {
             return;
         }
         let (known, mut trouble) = crate::io::persistence::load(&program);
-        self.model.turn_to(known.view.clone());
+        self.model.turn_to(known.choices.clone());
         if let Some(layout) = known.layouts.get(self.kind()) {
             let layout = serde_json::from_value::<Layout>(layout.clone());
             if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
@@ -214,7 +214,7 @@ impl Window {
     fn drawn(&self) -> Drawn {
         let shown = self.model.paths.iter().filter(|(_, path)| {
             let places = path.trail.points.len();
-            self.model.view.preferences.marks.trail && (2..=MOST_PLACES).contains(&places)
+            self.model.choices.preferences.marks.trail && (2..=MOST_PLACES).contains(&places)
         });
         let places =
             |(name, path): (&String, &Arc<CameraPath>)| (name.clone(), path.trail.points.clone());
@@ -251,7 +251,7 @@ impl Window {
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         self.keep_appearance();
-        let preferences = &self.model.view.preferences;
+        let preferences = &self.model.choices.preferences;
         self.display.apply_style(&context, preferences);
         self.model.is_light = !ui.visuals().dark_mode;
         self.handle_events();
@@ -317,7 +317,7 @@ impl Window {
         let drawn = self.drawn();
         if let Some(store) = &mut self.records.view_store {
             let layout = self.panes.layout();
-            store.keep(&self.model.view, drawn, kind, layout.as_ref());
+            store.keep(&self.model.choices, drawn, kind, layout.as_ref());
         }
         self.wake_in_time(ui);
         self.report_shown();

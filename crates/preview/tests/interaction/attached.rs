@@ -235,7 +235,7 @@ fn show_opens_the_view_that_is_named() {
         desk.harness
             .state()
             .model()
-            .view
+            .choices
             .closed
             .contains("geodesic:s")
     });
@@ -317,14 +317,14 @@ fn a_server_that_is_gone_is_reported_and_the_picture_stays() {
     let sentence = "The language server has exited; the picture shows its last text.";
     desk.until("it is reported", |desk| desk.shows(sentence));
     desk.until("its picture stays", |desk| {
-        desk.shows("3D view of 2 objects") && desk.harness.state().model().view.space.is_some()
+        desk.shows("3D view of 2 objects") && desk.harness.state().model().choices.space.is_some()
     });
     // And the window can still be used.
     let before = desk
         .harness
         .state()
         .model()
-        .view
+        .choices
         .space
         .expect("a camera")
         .eye;
@@ -336,7 +336,7 @@ fn a_server_that_is_gone_is_reported_and_the_picture_stays() {
         desk.harness
             .state()
             .model()
-            .view
+            .choices
             .space
             .expect("a camera")
             .eye,

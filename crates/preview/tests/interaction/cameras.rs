@@ -299,7 +299,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.click_on(Role::CheckBox, "Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    let before = hand.window().model().view.clone();
+    let before = hand.window().model().choices.clone();
     let trail = hand.window().model().paths["s"].trail.length;
     assert!(before.closed.contains("geodesic:s") && trail > 0.0);
     let last = hand.window().model().history.last();
@@ -307,7 +307,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     for times in [2, 3] {
         hand.clicks_at(at, times);
         hand.settle();
-        assert_eq!(hand.window().model().view, before, "{times} clicks");
+        assert_eq!(hand.window().model().choices, before, "{times} clicks");
         assert_eq!(hand.window().model().history.last(), last);
         assert_eq!(hand.window().model().paths["s"].trail.length, trail);
         // The text has the declaration, and the keys: they go back.
@@ -321,9 +321,9 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.until("the camera is placed", |hand| {
         hand.camera("s").at != before.inside["s"].place()
     });
-    assert!(hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(hand.window().model().choices.closed.contains("geodesic:s"));
     hand.settle();
-    assert!(!hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(!hand.window().model().choices.closed.contains("geodesic:s"));
     assert_eq!(
         hand.window().model().history.last(),
         Some("Place the geodesic camera")
@@ -356,7 +356,7 @@ surface t(u,v) = (u, v, 2), u : [-1, 1], v : [-1, 1];
 /// Where the cameras of both stand, and the 3D camera.
 fn places(hand: &Hand) -> ([[f64; 2]; 2], [f64; 3]) {
     let inside = ["s", "t"].map(|name| {
-        let all = &hand.window().model().view.inside;
+        let all = &hand.window().model().choices.inside;
         let camera = all.get(name).and_then(|camera| camera.chart());
         camera.map_or([0.0; 2], |camera| camera.at)
     });
@@ -440,14 +440,14 @@ curve c(t) = (cos t, sin t, 0), t : [0, 2pi];
 #[test]
 fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
     let mut hand = Hand::on(POINT);
-    let view = hand.window().model().view.clone();
+    let view = hand.window().model().choices.clone();
     let at = hand.space().center();
     hand.clicks_at(at, 1);
     hand.until("its declaration is shown", |hand| {
         hand.window().model().highlighted.as_deref() == Some("p")
     });
     hand.settle();
-    assert_eq!(hand.window().model().view, view, "no camera is moved");
+    assert_eq!(hand.window().model().choices, view, "no camera is moved");
     hand.harness.event(Event::Text("w".to_owned()));
     hand.hold(Key::W, 4);
     assert_eq!(hand.window().text(), Some(POINT));
@@ -517,7 +517,7 @@ fn what_the_text_or_another_hand_has_replaced_no_undo_brings_back() {
     let text = SPHERE.replace("param r :", "param r = 2 :");
     hand.window_mut().set_text(text);
     hand.until("it is compiled", |hand| {
-        hand.window().text().is_some() && hand.window().model().view.params.is_empty()
+        hand.window().text().is_some() && hand.window().model().choices.params.is_empty()
     });
     hand.settle();
     hand.press(Modifiers::COMMAND, Key::Z);
@@ -525,19 +525,19 @@ fn what_the_text_or_another_hand_has_replaced_no_undo_brings_back() {
     assert!(hand.shows("Undone: Move the 3D camera"));
     assert_ne!(hand.eye(), moved);
     assert!(
-        hand.window().model().view.params.is_empty(),
+        hand.window().model().choices.params.is_empty(),
         "r is what the text says"
     );
-    assert!(hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(hand.window().model().choices.closed.contains("geodesic:s"));
     assert!(
         !hand.shows("Geodesic view of s from"),
         "what was closed stays closed"
     );
-    let view = hand.window().model().view.clone();
+    let view = hand.window().model().choices.clone();
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
     assert_eq!(
-        hand.window().model().view,
+        hand.window().model().choices,
         view,
         "of r nothing is left to undo"
     );
@@ -561,7 +561,7 @@ fn a_click_that_is_undone_at_once_opens_nothing_and_can_be_made_again() {
     hand.settle();
     hand.harness.run_steps(60);
     assert_eq!(hand.camera("s").at, before.at);
-    assert!(hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(hand.window().model().choices.closed.contains("geodesic:s"));
     hand.press(Modifiers::COMMAND, Key::Y);
     hand.settle();
     assert_eq!(hand.camera("s").at, placed);

@@ -46,7 +46,7 @@ fn what_was_remembered_and_is_broken_is_told_and_kept() {
     assert!(hand.shows("it is kept as"), "{:?}", hand.names());
     let kept = beside.with_file_name(".program.gtr.geotrace.json.unreadable");
     assert_eq!(std::fs::read_to_string(kept).expect("kept"), "{ not json");
-    assert!(!hand.window().model().view.look("p").hidden);
+    assert!(!hand.window().model().choices.look("p").hidden);
 }
 
 #[test]

@@ -437,19 +437,19 @@ impl Hand {
 
     /// Where the 3D camera stands, and what it looks at.
     pub(crate) fn eye(&self) -> ([f64; 3], [f64; 3]) {
-        let camera = self.window().model().view.space.expect("a camera");
+        let camera = self.window().model().choices.space.expect("a camera");
         (camera.eye, camera.target)
     }
 
     /// The geodesic camera of a surface.
     pub(crate) fn camera(&self, surface: &str) -> ChartCamera {
-        let camera = &self.window().model().view.inside[surface];
+        let camera = &self.window().model().choices.inside[surface];
         *camera.chart().expect("a surface")
     }
 
     /// The geodesic camera of a solid.
     pub(crate) fn solid_camera(&self, solid: &str) -> SolidCamera {
-        match self.window().model().view.inside[solid] {
+        match self.window().model().choices.inside[solid] {
             InsideCamera::Solid(camera) => camera,
             InsideCamera::Chart(_) => panic!("`{solid}` is no solid"),
         }
@@ -461,7 +461,7 @@ impl Hand {
         let scene = model.scene.clone().expect("a scene");
         let param = scene.params.iter().find(|it| it.name == name);
         let range = param.expect("declared").ranges[0];
-        let chosen = model.view.params.get(name).and_then(|values| values[0]);
+        let chosen = model.choices.params.get(name).and_then(|values| values[0]);
         chosen.unwrap_or(range.min).clamp(range.min, range.max)
     }
 }

@@ -308,7 +308,7 @@ fn entries_of_the_menus_have_keys() {
 #[test]
 fn the_keys_that_size_controls_are_the_setting() {
     let mut hand = Hand::on(SPHERE);
-    let scale = |hand: &Hand| hand.window().model().view.preferences.scale;
+    let scale = |hand: &Hand| hand.window().model().choices.preferences.scale;
     for (key, expected) in [
         (Key::Plus, 1.25),
         (Key::Equals, 1.5),

@@ -101,7 +101,7 @@ fn a_drag_takes_a_turning_camera_over() {
 #[test]
 fn five_changes_the_projection_and_the_picture_and_going_forward_comes_nearer() {
     let mut hand = Hand::on(SPHERE);
-    let orthographic = |hand: &Hand| hand.window().model().view.preferences.orthographic;
+    let orthographic = |hand: &Hand| hand.window().model().choices.preferences.orthographic;
     assert!(!orthographic(&hand));
     let drawn = hand.window().counters().pictures;
     hand.press(Modifiers::NONE, Key::Num5);
@@ -131,7 +131,7 @@ fn the_menu_has_the_views_and_the_projection() {
     hand.click("View");
     hand.click("Orthographic");
     hand.settle();
-    assert!(hand.window().model().view.preferences.orthographic);
+    assert!(hand.window().model().choices.preferences.orthographic);
     hand.click("View");
     hand.click_like("Axis views");
     hand.click_like("Top");

@@ -155,7 +155,7 @@ fn a_drag_turns_the_head_with_alt_or_where_one_flies() {
     hand.click_on(Role::CheckBox, "Fly");
     hand.press(Modifiers::NONE, egui::Key::Escape);
     hand.settle();
-    assert!(hand.window().model().view.preferences.fly);
+    assert!(hand.window().model().choices.preferences.fly);
     turns_the_head(&mut hand, LEFT);
     orbits(&mut hand, ALT);
     for by in PANS {
@@ -168,7 +168,7 @@ fn a_drag_turns_the_head_with_alt_or_where_one_flies() {
         );
     }
     // It is remembered.
-    assert!(hand.again().window().model().view.preferences.fly);
+    assert!(hand.again().window().model().choices.preferences.fly);
 }
 
 /// The wheel, or fingers that part, over a place off the middle: what is under the pointer stays there.

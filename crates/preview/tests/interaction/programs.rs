@@ -149,7 +149,7 @@ fn a_file_is_opened_by_its_name_and_nothing_of_the_one_before_stays() {
     enter_file(&mut hand, &end, &other, "Open");
     assert!(hand.window().model().object("o").is_some());
     assert!(hand.window().model().object("s").is_none());
-    assert!(hand.window().model().view.params.is_empty());
+    assert!(hand.window().model().choices.params.is_empty());
     assert_eq!(hand.window().title(), "other.gtr – Geotrace");
     assert!(!hand.shows("Geodesic view"), "{:?}", hand.names());
     assert_eq!(recent(&mut hand), ["other.gtr", "program.gtr"]);
@@ -248,7 +248,7 @@ fn the_theme_is_that_of_all_programs() {
     hand.click_on(Role::ComboBox, "Theme");
     hand.click("Light");
     hand.settle();
-    let theme = |hand: &Hand| hand.window().model().view.preferences.theme;
+    let theme = |hand: &Hand| hand.window().model().choices.preferences.theme;
     assert_eq!(theme(&hand), Theme::Light);
     // It holds for a program that had another one, …
     let other = hand.path.with_file_name("other.gtr");

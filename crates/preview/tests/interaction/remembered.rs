@@ -28,8 +28,8 @@ fn what_was_chosen_stays_by_name_when_the_text_changes() {
     });
     hand.settle();
     assert_eq!(hand.param("r"), value);
-    assert!(hand.window().model().view.look("p").hidden);
-    assert!(!hand.window().model().view.look("q").hidden);
+    assert!(hand.window().model().choices.look("p").hidden);
+    assert!(!hand.window().model().choices.look("q").hidden);
     assert_eq!(hand.eye(), eye);
     // Gone and back.
     hand.window_mut()
@@ -43,7 +43,7 @@ fn what_was_chosen_stays_by_name_when_the_text_changes() {
     });
     hand.settle();
     assert_eq!(hand.param("r"), value);
-    assert!(hand.window().model().view.look("p").hidden);
+    assert!(hand.window().model().choices.look("p").hidden);
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn what_was_chosen_is_there_again_when_the_window_is_opened_again() {
     let mut hand = hand.again();
     assert_eq!(hand.param("r"), value);
     assert_eq!(hand.eye(), eye);
-    assert!(hand.window().model().view.look("p").hidden);
+    assert!(hand.window().model().choices.look("p").hidden);
     let again = hand.camera("s");
     for k in 0..2 {
         assert!(
@@ -165,7 +165,7 @@ fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
             "{layout}: {:?}",
             hand.names()
         );
-        assert!(hand.window().model().view.look("p").hidden);
+        assert!(hand.window().model().choices.look("p").hidden);
         assert!(hand.shows("3D view of") && hand.shows("Preferences"));
     }
 }
@@ -201,7 +201,7 @@ fn a_file_of_version_0_1_is_read_and_written_anew_and_nothing_is_lost() {
         assert!(hand.inside("s").width() > 1.5 * hand.space().width());
         let closed = ["Geodesic view of t from", "Preferences", "make no sense"];
         assert!(closed.iter().all(|part| !hand.shows(part)));
-        let view = &hand.window().model().view;
+        let view = &hand.window().model().choices;
         assert!(view.look("p").hidden && view.preferences.marks.legend);
         assert_eq!(view.preferences.space_size, Some(300));
     };

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
-use session::Choice;
+use session::TextureChoice;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -91,9 +91,9 @@ fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_l
     let mut hand = Hand::on(SPHERE);
     hand.settings("Objects");
     hand.click("Show p");
-    assert!(hand.window().model().view.look("p").hidden);
+    assert!(hand.window().model().choices.look("p").hidden);
     hand.click("Show p");
-    assert!(!hand.window().model().view.look("p").hidden);
+    assert!(!hand.window().model().choices.look("p").hidden);
 
     let list = hand
         .harness
@@ -105,7 +105,10 @@ fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_l
     assert!(flip.right() < hand.space().left(), "{flip}");
     hand.click("Texture of s");
     hand.click("Plain colour");
-    assert_eq!(hand.window().model().view.look("s").texture, Choice::Plain);
+    assert_eq!(
+        hand.window().model().choices.look("s").texture,
+        TextureChoice::Plain
+    );
     hand.settle();
 
     let image = hand.path.with_file_name("map.png");
@@ -122,24 +125,24 @@ fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_l
     hand.harness.run_steps(2);
     hand.click("Add");
     hand.until("the image is read", |hand| {
-        hand.window().model().view.textures == [image.clone()]
+        hand.window().model().choices.textures == [image.clone()]
     });
     hand.click("Texture of s");
     hand.click_on(Role::Button, "map.png");
     assert_eq!(
-        hand.window().model().view.look("s").texture,
-        Choice::Image(image.clone())
+        hand.window().model().choices.look("s").texture,
+        TextureChoice::Image(image.clone())
     );
     hand.settle();
     hand.click("Remove map.png");
-    assert!(hand.window().model().view.textures.is_empty());
+    assert!(hand.window().model().choices.textures.is_empty());
 }
 
 #[test]
 fn a_colour_is_chosen_from_the_palette_by_its_digits_or_by_sliders() {
     let mut hand = Hand::on(SPHERE);
     hand.settings("Objects");
-    let colour = |hand: &Hand| hand.window().model().view.look("p").colour;
+    let colour = |hand: &Hand| hand.window().model().choices.look("p").colour;
     hand.click("Colour of p");
     hand.click("Bluish green");
     assert_eq!(colour(&hand), Some([0, 158, 115]));
@@ -213,17 +216,17 @@ fn an_image_dropped_onto_the_window_is_in_the_list_and_on_the_surface_in_use() {
     hand.harness.step();
     hand.settle();
     assert_eq!(
-        hand.window().model().view.textures,
+        hand.window().model().choices.textures,
         std::slice::from_ref(&image)
     );
     assert!(hand.shows("drop.png lies on s"));
-    let texture = |hand: &Hand| hand.window().model().view.look("s").texture;
-    assert_eq!(texture(&hand), Choice::Image(image));
+    let texture = |hand: &Hand| hand.window().model().choices.look("s").texture;
+    assert_eq!(texture(&hand), TextureChoice::Image(image));
     // All of it is one step.
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
-    assert_eq!(texture(&hand), Choice::Default);
-    assert!(hand.window().model().view.textures.is_empty());
+    assert_eq!(texture(&hand), TextureChoice::Default);
+    assert!(hand.window().model().choices.textures.is_empty());
 }
 
 #[test]
@@ -244,17 +247,17 @@ fn the_menus_do_what_their_entries_say() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Overlays");
     hand.click("Legend");
-    assert!(hand.window().model().view.preferences.marks.legend);
+    assert!(hand.window().model().choices.preferences.marks.legend);
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
 
     hand.click("Edit");
     hand.click_like("Undo: Change the overlays");
-    assert!(!hand.window().model().view.preferences.marks.legend);
+    assert!(!hand.window().model().choices.preferences.marks.legend);
     hand.settle();
     hand.click("Edit");
     hand.click_like("Redo: Change the overlays");
-    assert!(hand.window().model().view.preferences.marks.legend);
+    assert!(hand.window().model().choices.preferences.marks.legend);
     hand.settle();
 
     let looks = hand.window().counters().looks;
@@ -262,7 +265,7 @@ fn the_menus_do_what_their_entries_say() {
     hand.click("Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(hand.window().model().choices.closed.contains("geodesic:s"));
     hand.hold(Key::W, 5);
     assert_eq!(
         hand.window().counters().looks,
@@ -273,7 +276,7 @@ fn the_menus_do_what_their_entries_say() {
     hand.click("Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(!hand.window().model().view.closed.contains("geodesic:s"));
+    assert!(!hand.window().model().choices.closed.contains("geodesic:s"));
 
     // What was opened has the keys, and what was clicked on.
     hand.hold(Key::W, 5);
@@ -282,13 +285,13 @@ fn the_menus_do_what_their_entries_say() {
     hand.click_like("Reset the camera");
     hand.settle();
     assert!(!hand.camera("s").moved);
-    assert!(hand.window().model().view.space.expect("a camera").moved);
+    assert!(hand.window().model().choices.space.expect("a camera").moved);
     hand.click("Geodesic view – s");
     hand.click("3D view");
     hand.click("View");
     hand.click_like("Reset the camera");
     hand.settle();
-    assert!(!hand.window().model().view.space.expect("a camera").moved);
+    assert!(!hand.window().model().choices.space.expect("a camera").moved);
 
     hand.press(Modifiers::NONE, Key::F1);
     hand.settle();
@@ -298,7 +301,7 @@ fn the_menus_do_what_their_entries_say() {
 #[test]
 fn settings_of_the_window_are_steps_that_can_be_undone() {
     let mut hand = Hand::on(SPHERE);
-    let model = |hand: &Hand| hand.window().model().view.preferences.clone();
+    let model = |hand: &Hand| hand.window().model().choices.preferences.clone();
     let before = model(&hand);
     hand.settings("Preferences");
     hand.click_on(Role::ComboBox, "Theme");

@@ -63,7 +63,7 @@ fn a_click_on_a_solid_puts_the_camera_there_where_one_looks_from_inside() {
     let middle = hand.space().center();
     hand.click_at(middle);
     hand.settle();
-    assert!(hand.window().model().view.inside.is_empty());
+    assert!(hand.window().model().choices.inside.is_empty());
     look_from_inside(&mut hand, "ball");
     let before = hand.solid_camera("ball");
     let (eye, target) = hand.eye();
@@ -126,7 +126,7 @@ point q = (0, 0, 3);
     hand.settle();
     let blue = text.replace("(1, 0.8, 0.2)", "(0, 0.447, 0.698)");
     hand.until("it is written", |hand| hand.window().text() == Some(&blue));
-    assert!(hand.window().model().view.looks.is_empty());
+    assert!(hand.window().model().choices.looks.is_empty());
     // An expression is not, and what states none is a choice of the window.
     hand.press(Modifiers::NONE, Key::Escape);
     hand.click("Colour of q");
@@ -134,7 +134,7 @@ point q = (0, 0, 3);
     hand.settle();
     assert_eq!(hand.window().text(), Some(&*blue));
     assert_eq!(
-        hand.window().model().view.look("q").colour,
+        hand.window().model().choices.look("q").colour,
         Some([0, 114, 178])
     );
 }

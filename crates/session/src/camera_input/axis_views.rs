@@ -132,13 +132,13 @@ impl Turn {
     /// Starts to turn the camera in space about its target until its eye is in a direction: an undoable step. `now` is
     /// in seconds, of any clock. Returns `None` if there is no camera yet.
     pub fn begin(model: &mut Model, direction: DVec3, now: f64) -> Option<Self> {
-        let from = model.view.space?;
+        let from = model.choices.space?;
         let to = from.seen_from(direction);
         let step = Step::new("Turn the 3D camera", "");
-        model.change(step, |view| view.space = Some(to));
+        model.change(step, |choices| choices.space = Some(to));
         model.history.settle();
         // The step leads to the end of the turn; the cameras before it are not steps.
-        model.adjust(|view| view.space = Some(from));
+        model.adjust(|choices| choices.space = Some(from));
         Some(Self {
             from,
             to,
@@ -153,12 +153,12 @@ impl Turn {
         let Some(on_its_way) = turn.take() else {
             return false;
         };
-        if model.view.space != Some(on_its_way.last) {
+        if model.choices.space != Some(on_its_way.last) {
             return false;
         }
         let elapsed = now - on_its_way.begun;
         let last = on_its_way.at(elapsed / TURN_TIME);
-        model.adjust(|view| view.space = Some(last));
+        model.adjust(|choices| choices.space = Some(last));
         if elapsed < TURN_TIME {
             *turn = Some(Self { last, ..on_its_way });
         }
@@ -190,7 +190,7 @@ mod tests {
 
     fn model() -> Model {
         let mut model = Model::default();
-        model.view.space = Some(SpaceCamera {
+        model.choices.space = Some(SpaceCamera {
             eye: [0.0, -4.0, 0.0],
             target: [0.0; 3],
             radius: 2.0,
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn the_ends_are_seen_where_the_axes_point() {
-        let camera = model().view.space.expect("a camera");
+        let camera = model().choices.space.expect("a camera");
         let ends = AxisEnd::all(&camera);
         assert_eq!((ends[0].view.title, ends[5].view.title), ("Back", "Front"));
         let end = |title| ends.iter().find(|end| end.view.title == title);
@@ -217,17 +217,17 @@ mod tests {
     #[test]
     fn a_turn_arrives_after_a_quarter_of_a_second_and_is_one_step() {
         let mut model = model();
-        let first = model.view.space;
+        let first = model.choices.space;
         let mut turn = Turn::begin(&mut model, DVec3::X, 10.0);
-        assert_eq!(model.view.space, first);
+        assert_eq!(model.choices.space, first);
         assert!(Turn::advance(&mut turn, &mut model, 10.125));
-        let between = model.view.space.expect("a camera").eye;
+        let between = model.choices.space.expect("a camera").eye;
         assert!(between[0] > 1.0 && between[1] < -1.0, "{between:?}");
         assert!(Turn::advance(&mut turn, &mut model, 10.25) && turn.is_none());
-        let there = model.view.space.expect("a camera").eye;
+        let there = model.choices.space.expect("a camera").eye;
         assert!((there[0] - 4.0).abs() < 1e-9, "{there:?}");
         assert_eq!(model.undo(), Some("Turn the 3D camera"));
-        assert_eq!(model.view.space, first);
+        assert_eq!(model.choices.space, first);
     }
 
     #[test]
@@ -235,9 +235,12 @@ mod tests {
         let mut model = model();
         let mut turn = Turn::begin(&mut model, DVec3::X, 0.0);
         assert!(Turn::advance(&mut turn, &mut model, 0.1));
-        let moved = model.view.space.map(|camera| camera.moved([1.0, 0.0, 0.0]));
-        model.adjust(|view| view.space = moved);
+        let moved = model
+            .choices
+            .space
+            .map(|camera| camera.moved([1.0, 0.0, 0.0]));
+        model.adjust(|choices| choices.space = moved);
         assert!(!Turn::advance(&mut turn, &mut model, 0.2) && turn.is_none());
-        assert_eq!(model.view.space, moved);
+        assert_eq!(model.choices.space, moved);
     }
 }

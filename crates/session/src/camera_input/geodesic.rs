@@ -42,7 +42,7 @@ pub fn dragged(by: [f64; 2], side: f64) -> Motion {
 
 /// Returns the position of a surface's camera in words, to follow a view's name; `None` if there is no camera yet.
 pub fn place(model: &Model, surface: &str) -> Option<String> {
-    let camera = model.view.inside.get(surface)?;
+    let camera = model.choices.inside.get(surface)?;
     let zoom = camera.zoom();
     let place = match camera {
         InsideCamera::Chart(camera) => {

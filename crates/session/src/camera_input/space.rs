@@ -111,7 +111,7 @@ pub fn moved_by_keys(
 /// Returns the position of the camera in words, to follow a view's name; `None` if there is no camera, or no scene,
 /// yet.
 pub fn place(model: &Model) -> Option<String> {
-    let eye = model.view.space?.eye;
+    let eye = model.choices.space?.eye;
     let [x, y, z] = model.scene.as_ref()?.stated(eye);
     Some(format!(", seen from ({x:.2}, {y:.2}, {z:.2})"))
 }

@@ -15,7 +15,7 @@ impl Model {
     /// can be there. In the surface's own view (`is_own_view`) it leaves a trail, if trails are shown.
     pub fn settle_camera(&mut self, surface: &str, is_own_view: bool) -> Option<InsideCamera> {
         let subject = self.subject(surface)?;
-        let before = self.view.inside.get(surface).copied();
+        let before = self.choices.inside.get(surface).copied();
         let mut path = self.paths.remove(surface);
         let settled = self.control(surface, |controller| {
             controller.settle(&subject, before, &mut path).ok()
@@ -25,9 +25,9 @@ impl Model {
             return None;
         };
         if before != Some(camera) {
-            self.view.inside.insert(surface.to_owned(), camera);
+            self.choices.inside.insert(surface.to_owned(), camera);
         }
-        let leaves_trail = self.view.preferences.marks.trail;
+        let leaves_trail = self.choices.preferences.marks.trail;
         let path = camera.chart().and_then(|camera| {
             let path = path.filter(|path| path.ends_at(camera.at));
             match (is_own_view, leaves_trail) {
@@ -62,7 +62,7 @@ impl Model {
         if let Some(moved) = moved.filter(|moved| *moved != camera) {
             let replaced = Difference::camera(surface, Some(camera));
             self.history.record(step, replaced, trails);
-            self.view.inside.insert(surface.to_owned(), moved);
+            self.choices.inside.insert(surface.to_owned(), moved);
         }
     }
 

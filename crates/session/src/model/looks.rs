@@ -3,14 +3,14 @@
 use render::style::Theme;
 
 use super::Model;
-use crate::Choice;
+use crate::TextureChoice;
 
 impl Model {
     /// Returns true if a surface or metric of the scene shows its curvature.
     pub(crate) fn shows_curvature(&self) -> bool {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let mut manifolds = objects.filter(|object| object.shape.manifold().is_some());
-        manifolds.any(|object| *self.view.texture(&object.name) == Choice::Curvature)
+        manifolds.any(|object| *self.choices.texture(&object.name) == TextureChoice::Curvature)
     }
 
     /// Returns the colour (sRGB) of an object for which none is chosen.

@@ -24,7 +24,7 @@ impl Model {
     pub fn reset(&mut self, surface: &str) {
         self.keep_placement();
         let trails = [(surface.to_owned(), self.ended_trail(surface))].into();
-        let before = self.view.inside.get(surface).copied();
+        let before = self.choices.inside.get(surface).copied();
         self.put(surface, None, None);
         if before.is_some() {
             let step = Step::new("Reset the geodesic camera", surface);
@@ -40,7 +40,7 @@ impl Model {
         self.keep_placement();
         self.placing = Some(Placement {
             surface: surface.to_owned(),
-            before: self.view.inside.get(surface).copied(),
+            before: self.choices.inside.get(surface).copied(),
             path: self.paths.get(surface).cloned(),
         });
         self.put(surface, Some(camera), None);
@@ -93,10 +93,10 @@ impl Model {
     }
 
     fn put(&mut self, surface: &str, camera: Option<InsideCamera>, path: Option<Arc<CameraPath>>) {
-        self.adjust(|view| {
+        self.adjust(|choices| {
             match camera {
-                Some(camera) => view.inside.insert(surface.to_owned(), camera),
-                None => view.inside.remove(surface),
+                Some(camera) => choices.inside.insert(surface.to_owned(), camera),
+                None => choices.inside.remove(surface),
             };
         });
         self.put_path(surface, path);

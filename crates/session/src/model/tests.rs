@@ -4,7 +4,7 @@ use glam::DVec2;
 use render::view::space::SpaceView;
 use scene::ObjectId;
 
-use super::{Animation, Model, Step, View, advanced};
+use super::{Animation, Choices, Model, Step, advanced};
 use crate::Compiled;
 use crate::motion::Motion;
 use crate::reader::{Reader, SourceText};
@@ -32,8 +32,8 @@ fn model(text: &str) -> Model {
 #[test]
 fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
-    model.change(Step::new("Move a", "a"), |view| {
-        view.choose("a", 0, Some(3.0));
+    model.change(Step::new("Move a", "a"), |choices| {
+        choices.choose("a", 0, Some(3.0));
     });
     let value = |model: &mut Model| {
         let settings = model.settings().expect("a scene");
@@ -54,11 +54,11 @@ fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
 #[test]
 fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
     let mut model = model("param a = 1 : [0, 4]; point p = (a, 0, 0);");
-    model.adjust(|view| {
-        view.choose("a", 0, Some(3.0));
+    model.adjust(|choices| {
+        choices.choose("a", 0, Some(3.0));
     });
     model.take(compiled("param a = 1 : [0, 4]; point p = (a, 1, 0);"));
-    assert_eq!(model.view.params["a"], [Some(3.0)]);
+    assert_eq!(model.choices.params["a"], [Some(3.0)]);
     model.take(compiled("param a = 2 : [0, 4]; point p = (a, 1, 0);"));
     let settings = model.settings().expect("a scene");
     assert_eq!(settings.uniforms(), [2.0]);
@@ -71,7 +71,7 @@ fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_
          geodesic g(t) : s = (1,0) @ (0.5,0.5), t : [0, 0.2];",
     );
     let hide = |model: &mut Model, name: &str| {
-        model.adjust(|view| view.looks.entry(name.into()).or_default().hidden = true);
+        model.adjust(|choices| choices.looks.entry(name.into()).or_default().hidden = true);
         model
             .hidden()
             .iter()
@@ -88,8 +88,8 @@ fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_
 fn steps_of_one_gesture_are_undone_together_and_done_again() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
     let set = |model: &mut Model, value: f64| {
-        model.change(Step::new("Move a", "a"), |view| {
-            view.choose("a", 0, Some(value));
+        model.change(Step::new("Move a", "a"), |choices| {
+            choices.choose("a", 0, Some(value));
         });
     };
     set(&mut model, 1.0);
@@ -97,13 +97,13 @@ fn steps_of_one_gesture_are_undone_together_and_done_again() {
     model.history.settle();
     set(&mut model, 3.0);
     assert_eq!(model.undo(), Some("Move a"));
-    assert_eq!(model.view.params["a"], [Some(2.0)]);
+    assert_eq!(model.choices.params["a"], [Some(2.0)]);
     assert_eq!(model.undo(), Some("Move a"));
-    assert!(model.view.params.is_empty());
+    assert!(model.choices.params.is_empty());
     assert_eq!(model.undo(), None);
     model.redo();
     model.redo();
-    assert_eq!(model.view.params["a"], [Some(3.0)]);
+    assert_eq!(model.choices.params["a"], [Some(3.0)]);
     assert_eq!(model.redo(), None);
 }
 
@@ -126,8 +126,8 @@ fn chart(at: [f64; 2]) -> ChartCamera {
 }
 
 fn set(model: &mut Model, name: &str, value: f64) {
-    model.change(Step::new("Move a param", name), |view| {
-        view.choose(name, 0, Some(value));
+    model.change(Step::new("Move a param", name), |choices| {
+        choices.choose(name, 0, Some(value));
     });
     model.history.settle();
 }
@@ -135,26 +135,26 @@ fn set(model: &mut Model, name: &str, value: f64) {
 #[test]
 fn a_step_takes_back_what_it_has_changed_and_nothing_else() {
     let mut model = model(SURFACE);
-    model.change(Step::new("Move the 3D camera", "keys"), |view| {
-        view.space = Some(camera().moved([1.0, 0.0, 0.0]));
+    model.change(Step::new("Move the 3D camera", "keys"), |choices| {
+        choices.space = Some(camera().moved([1.0, 0.0, 0.0]));
     });
     // No step: a pane is closed, a param moves by itself, a geodesic camera walks.
-    model.adjust(|view| {
-        view.closed.insert("s".into());
-        view.choose("a", 0, Some(3.0));
-        view.inside.insert("s".into(), inside([0.5, 0.5]));
+    model.adjust(|choices| {
+        choices.closed.insert("s".into());
+        choices.choose("a", 0, Some(3.0));
+        choices.inside.insert("s".into(), inside([0.5, 0.5]));
     });
-    let others = model.view.clone();
+    let others = model.choices.clone();
     assert_eq!(model.undo(), Some("Move the 3D camera"));
     assert_eq!(
-        model.view,
-        View {
+        model.choices,
+        Choices {
             space: None,
             ..others.clone()
         }
     );
     assert_eq!(model.redo(), Some("Move the 3D camera"));
-    assert_eq!(model.view, others);
+    assert_eq!(model.choices, others);
 }
 
 #[test]
@@ -167,23 +167,27 @@ fn what_the_text_gives_anew_no_step_brings_back() {
     model.take(compiled(
         "param a = 3 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);",
     ));
-    assert!(model.view.params.is_empty(), "{:?}", model.view.params);
+    assert!(
+        model.choices.params.is_empty(),
+        "{:?}",
+        model.choices.params
+    );
     assert_eq!(model.history.last(), None, "there is nothing to undo of a");
     assert_eq!(model.undo(), None);
     assert_eq!(model.redo(), Some("Move a param"));
-    assert_eq!(model.view.params["b"], [Some(5.0)]);
-    assert!(!model.view.params.contains_key("a"));
+    assert_eq!(model.choices.params["b"], [Some(5.0)]);
+    assert!(!model.choices.params.contains_key("a"));
 }
 
 #[test]
 fn a_step_that_changes_nothing_any_more_is_passed_by() {
     let mut model = model(SURFACE);
     set(&mut model, "a", 2.0);
-    model.change(Step::new("Show or hide", "s"), |view| {
-        view.looks.entry("s".into()).or_default().hidden = true;
+    model.change(Step::new("Show or hide", "s"), |choices| {
+        choices.looks.entry("s".into()).or_default().hidden = true;
     });
-    model.adjust(|view| {
-        view.looks.remove("s");
+    model.adjust(|choices| {
+        choices.looks.remove("s");
     });
     assert_eq!(model.undo(), Some("Move a param"));
 }
@@ -193,15 +197,15 @@ fn a_value_is_known_with_what_the_text_said_when_it_was_chosen() {
     let mut before =
         model("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);");
     set(&mut before, "a", 3.0);
-    before.change(Step::new("Move a param", "b_2"), |view| {
-        view.choose("b", 1, Some(1.5));
+    before.change(Step::new("Move a param", "b_2"), |choices| {
+        choices.choose("b", 1, Some(1.5));
     });
-    let text = serde_json::to_string(&before.view).expect("data");
+    let text = serde_json::to_string(&before.choices).expect("data");
     // Meanwhile the file was edited: another value of a, another interval of b.
     let again = |file: &str| {
         let mut after = Model::default();
-        after.turn_to(serde_json::from_str::<View>(&text).expect("data").sane());
-        assert_eq!(after.view, before.view);
+        after.turn_to(serde_json::from_str::<Choices>(&text).expect("data").sane());
+        assert_eq!(after.choices, before.choices);
         after.take(compiled(file));
         after.settings().expect("a scene").uniforms().to_vec()
     };
@@ -228,7 +232,7 @@ fn walk(model: &mut Model, surface: &str) -> f64 {
 #[test]
 fn a_path_ends_where_its_camera_is_put_elsewhere_and_nowhere_else() {
     let mut model = model(SURFACE);
-    model.adjust(|view| view.preferences.marks.trail = true);
+    model.adjust(|choices| choices.preferences.marks.trail = true);
     let lengths = ["s", "t"].map(|name| walk(&mut model, name));
     assert!(lengths.iter().all(|length| *length > 0.0));
     let paths = |model: &Model| ["s", "t"].map(|name| model.paths.contains_key(name));
@@ -240,11 +244,11 @@ fn a_path_ends_where_its_camera_is_put_elsewhere_and_nowhere_else() {
     assert_eq!(paths(&model), [false, true]);
     walk(&mut model, "s");
     assert_eq!(model.undo(), Some("Move the geodesic camera"));
-    assert_eq!(model.view.inside["s"].place(), [0.5, 0.5]);
+    assert_eq!(model.choices.inside["s"].place(), [0.5, 0.5]);
     assert_eq!(paths(&model), [false, true], "the walk is taken back");
     model.reset("t");
     assert_eq!(paths(&model), [false, false]);
-    assert!(!model.view.inside.contains_key("t"));
+    assert!(!model.choices.inside.contains_key("t"));
     walk(&mut model, "t");
     model.clear_trails();
     assert_eq!(paths(&model), [false, false]);
@@ -254,18 +258,18 @@ fn a_path_ends_where_its_camera_is_put_elsewhere_and_nowhere_else() {
 fn a_motion_that_cannot_be_made_is_no_step() {
     let mut model = model(SURFACE);
     let at_edge = inside([1.0, 0.5]);
-    model.adjust(|view| {
-        view.inside.insert("s".into(), at_edge);
+    model.adjust(|choices| {
+        choices.inside.insert("s".into(), at_edge);
     });
     model.move_camera("s", Motion::Walk([0.5, 0.0]));
-    assert_eq!(model.view.inside["s"], at_edge);
+    assert_eq!(model.choices.inside["s"], at_edge);
     assert_eq!(model.undo(), None);
 }
 
 #[test]
 fn a_path_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_walked() {
     let mut model = model(SURFACE);
-    model.adjust(|view| view.preferences.marks.trail = true);
+    model.adjust(|choices| choices.preferences.marks.trail = true);
     walk(&mut model, "s");
     let before = Arc::clone(&model.paths["s"].trail);
     model.take(compiled(SURFACE));
@@ -282,44 +286,44 @@ fn a_path_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_
 #[test]
 fn a_placing_that_is_withdrawn_leaves_no_trace() {
     let mut model = model(SURFACE);
-    model.adjust(|view| {
-        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    model.adjust(|choices| {
+        choices.inside.insert("s".into(), inside([0.25, 0.25]));
     });
     set(&mut model, "a", 2.0);
     model.undo();
-    let before = model.view.clone();
+    let before = model.choices.clone();
     model.place("s", inside([0.5, 0.5]));
     assert_eq!(
-        model.view.inside["s"].place(),
+        model.choices.inside["s"].place(),
         [0.5, 0.5],
         "it is there at once"
     );
     model.withdraw_placement();
-    assert_eq!(model.view, before);
+    assert_eq!(model.choices, before);
     assert_eq!(model.history.last(), None);
     assert_eq!(model.redo(), Some("Move a param"));
     // One that is kept is a step of its own.
     model.place("s", inside([0.5, 0.5]));
     model.keep_placement();
     model.withdraw_placement();
-    assert_eq!(model.view.inside["s"].place(), [0.5, 0.5]);
+    assert_eq!(model.choices.inside["s"].place(), [0.5, 0.5]);
     assert_eq!(model.undo(), Some("Place the geodesic camera"));
-    assert_eq!(model.view.inside["s"].place(), [0.25, 0.25]);
+    assert_eq!(model.choices.inside["s"].place(), [0.25, 0.25]);
 }
 
 #[test]
 fn another_program_has_its_own_view_and_no_steps_of_the_one_before() {
     let mut model = model(SURFACE);
-    model.adjust(|view| {
-        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    model.adjust(|choices| {
+        choices.inside.insert("s".into(), inside([0.25, 0.25]));
     });
     set(&mut model, "a", 2.0);
     model.place("s", inside([0.5, 0.5]));
-    let mut other = View::default();
+    let mut other = Choices::default();
     other.inside.insert("s".into(), inside([0.75, 0.75]));
     model.turn_to(other.clone());
     assert_eq!(model.undo(), None);
-    assert_eq!(model.view, other);
+    assert_eq!(model.choices, other);
 }
 
 #[test]
@@ -329,27 +333,27 @@ fn a_camera_that_nobody_had_moved_is_put_anew_where_its_scene_is_another_one() {
         moved: false,
         ..chart([0.25, 0.25])
     });
-    model.adjust(|view| {
-        view.inside.insert("s".into(), unmoved);
-        view.space = Some(camera());
+    model.adjust(|choices| {
+        choices.inside.insert("s".into(), unmoved);
+        choices.space = Some(camera());
     });
     model.place("s", inside([0.5, 0.5]));
     let moved = SpaceCamera {
         moved: true,
         ..camera().moved([1.0, 0.0, 0.0])
     };
-    model.change(Step::new("Move the 3D camera", "keys"), |view| {
-        view.space = Some(moved);
+    model.change(Step::new("Move the 3D camera", "keys"), |choices| {
+        choices.space = Some(moved);
     });
     model.take(compiled(
         "surface s(u,v) = (u, v, 7), u : [5,6], v : [5,6];",
     ));
     model.reframe();
-    assert_eq!(model.view.space, Some(moved), "what was moved stays");
+    assert_eq!(model.choices.space, Some(moved), "what was moved stays");
     assert_eq!(model.undo(), Some("Move the 3D camera"));
-    assert_eq!(model.view.space, None);
+    assert_eq!(model.choices.space, None);
     assert_eq!(model.undo(), Some("Place the geodesic camera"));
-    assert!(!model.view.inside.contains_key("s"));
+    assert!(!model.choices.inside.contains_key("s"));
 }
 
 #[test]
@@ -360,15 +364,15 @@ fn what_is_animated_grows_by_its_speed_and_begins_anew_at_its_least() {
     assert_eq!(advanced(-0.5, -1.0, -1.0, 1.0), 0.5);
     let mut model = model("param a : [0, 1], [0, 8]; point p = (a_1, a_2, 0);");
     assert!(!model.animate(1.0));
-    model.adjust(|view| {
+    model.adjust(|choices| {
         let on = Animation {
             on: vec![false, true],
             speed: 1.0,
         };
-        view.animations.insert("a".into(), on);
+        choices.animations.insert("a".into(), on);
     });
     assert!(model.is_animated() && model.animate(0.5));
-    assert_eq!(model.view.params["a"], [None, Some(0.5)]);
+    assert_eq!(model.choices.params["a"], [None, Some(0.5)]);
 }
 
 #[test]
@@ -468,7 +472,7 @@ fn what_is_hidden_marks_no_view() {
     let (mut reader, mut model) = (Reader::default(), Model::default());
     let good = "point p = (1, 2, 3); point q = (1, 1, 1);";
     model.take(read(&mut reader, good));
-    model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
+    model.adjust(|choices| choices.looks.entry("p".into()).or_default().hidden = true);
     model.take(read(&mut reader, &good.replace("2, 3)", "2, ")));
     model.faults.show_latest();
     assert!(model.is_stale() && !model.is_stale_in(&SpaceView));
@@ -511,27 +515,32 @@ param a : [0, 1];";
 fn a_view_from_a_file_is_brought_to_its_senses() {
     let text = r#"{"space":{"eye":[0,0,0],"target":[0,0,0],"radius":1},"unknown":7,
         "preferences":{"cameraSpeed":1e9,"scale":0},"inside":{"s":{"at":[0,0],"x":[1,0],"y":[0,1],"zoom":-1}}}"#;
-    let view: View = serde_json::from_str::<View>(text).expect("tolerant").sane();
-    assert_eq!(view.space, None);
-    assert!(view.inside.is_empty());
-    assert_eq!(view.preferences.camera_speed, 100.0);
-    assert_eq!(view.preferences.scale, 0.5);
+    let choices: Choices = serde_json::from_str::<Choices>(text)
+        .expect("tolerant")
+        .sane();
+    assert_eq!(choices.space, None);
+    assert!(choices.inside.is_empty());
+    assert_eq!(choices.preferences.camera_speed, 100.0);
+    assert_eq!(choices.preferences.scale, 0.5);
 }
 
 #[test]
 fn a_trail_comes_back_with_its_camera() {
     let mut model = model(SURFACE);
-    model.adjust(|view| view.preferences.marks.trail = true);
+    model.adjust(|choices| choices.preferences.marks.trail = true);
     let first = walk(&mut model, "s");
     model.history.settle();
     let walked = walk(&mut model, "s");
     assert!(walked > first && first > 0.0);
     let length = |model: &Model| model.paths.get("s").map(|path| path.trail.length);
-    let at = model.view.inside["s"];
+    let at = model.choices.inside["s"];
     model.place("s", inside([0.5, 0.5]));
     assert_eq!(length(&model), None);
     assert_eq!(model.undo(), Some("Place the geodesic camera"));
-    assert_eq!((length(&model), model.view.inside["s"]), (Some(walked), at));
+    assert_eq!(
+        (length(&model), model.choices.inside["s"]),
+        (Some(walked), at)
+    );
     assert_eq!(model.redo(), Some("Place the geodesic camera"));
     assert_eq!(length(&model), None);
     model.undo();
@@ -549,10 +558,10 @@ fn a_trail_comes_back_with_its_camera() {
     // On another surface, or of another text, it would be another path.
     model.place("s", inside([0.5, 0.5]));
     model.keep_placement();
-    model.adjust(|view| view.choose("a", 0, Some(2.0)));
+    model.adjust(|choices| choices.choose("a", 0, Some(2.0)));
     model.undo();
     assert_eq!(length(&model), None);
-    model.adjust(|view| view.choose("a", 0, None));
+    model.adjust(|choices| choices.choose("a", 0, None));
     let walked = walk(&mut model, "s");
     model.place("s", inside([0.5, 0.5]));
     model.keep_placement();
@@ -565,9 +574,9 @@ fn a_trail_comes_back_with_its_camera() {
 fn a_mirrored_geodesic_camera_has_its_up_where_its_down_was() {
     let mut model = model(SURFACE);
     model.settle_camera("s", true);
-    let before = model.view.inside["s"];
+    let before = model.choices.inside["s"];
     model.mirror("s");
-    let after = model.view.inside["s"];
+    let after = model.choices.inside["s"];
     let [Some(before), Some(after)] = [before.chart(), after.chart()] else {
         panic!("cameras on a surface");
     };
@@ -576,7 +585,7 @@ fn a_mirrored_geodesic_camera_has_its_up_where_its_down_was() {
     let (before, after) = (*before, *after);
     assert_ne!(before, after);
     model.undo();
-    assert_eq!(model.view.inside["s"].chart(), Some(&before));
+    assert_eq!(model.choices.inside["s"].chart(), Some(&before));
 }
 
 #[test]
@@ -603,7 +612,7 @@ fn the_scene_of_a_script_is_that_of_its_params() {
     };
     let mut model = Model::default();
     model.take(Reader::default().read(&source).compiled(1, text.into()));
-    let hide = |view: &mut View| view.looks.entry("3:9".into()).or_default().hidden = true;
+    let hide = |choices: &mut Choices| choices.looks.entry("3:9".into()).or_default().hidden = true;
     model.adjust(hide);
     let names = |model: &Model| -> Vec<String> {
         let scene = model.scene.as_ref().expect("a scene");

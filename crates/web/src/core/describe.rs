@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use render::style::Theme;
 use render::view::View;
 use scene::{Object, Scene};
-use session::Choice;
+use session::TextureChoice;
 use session::camera_input::CameraKind;
 use session::textures::ImageSource;
 use syntax::span::Span;
@@ -102,7 +102,7 @@ impl Core {
         let model = &self.model;
         let is_curved = |object: &Object| {
             let is_manifold = object.shape.manifold().is_some();
-            is_manifold && *model.view.texture(&object.name) == Choice::Curvature
+            is_manifold && *model.choices.texture(&object.name) == TextureChoice::Curvature
         };
         let shows_curvature = scene.objects.iter().any(is_curved);
         let colours = render::style::colours(scene, Theme::Screen, shows_curvature);
@@ -114,7 +114,7 @@ impl Core {
         });
         let places: BTreeMap<&str, Span> = places.collect();
         let info = |(object, usual): (&Object, &[u8; 3])| {
-            let look = model.view.look(&object.name);
+            let look = model.choices.look(&object.name);
             ObjectInfo {
                 name: object.name.clone(),
                 kind: object.shape.kind(),

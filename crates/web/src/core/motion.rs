@@ -83,7 +83,7 @@ impl Core {
                     Grip::Look => space::Grip::Turn,
                     Grip::Pan => space::Grip::Pan,
                 };
-                if let Some(camera) = self.model.view.space {
+                if let Some(camera) = self.model.choices.space {
                     let camera = space::dragged(camera, grip, by, side);
                     self.model.move_space("drag", camera);
                 }
@@ -107,7 +107,7 @@ impl Core {
         }
         match self.camera_kind(id) {
             CameraKind::Space => {
-                if let Some(camera) = self.model.view.space {
+                if let Some(camera) = self.model.choices.space {
                     let about = self.pictures.way_from_middle(id, at);
                     let side = self.pictures.side(id);
                     let camera = space::neared(camera, factor, about, side);
@@ -214,12 +214,12 @@ impl Core {
     fn move_by_keys(&mut self, keys: &HeldKeys, elapsed: f64) {
         let is_held = |key| keys.keys.contains(&key);
         let held = Held::new(is_held, true, keys.modifiers, elapsed);
-        let preferences = &self.model.view.preferences;
+        let preferences = &self.model.choices.preferences;
         let speed = preferences.camera_speed;
         match self.camera_kind(&keys.view) {
             CameraKind::Space => {
                 let is_parallel = preferences.orthographic;
-                if let Some(camera) = self.model.view.space {
+                if let Some(camera) = self.model.choices.space {
                     let next = space::moved_by_keys(camera, held, speed, is_parallel);
                     if next != camera {
                         self.model.move_space("keys", next);

@@ -90,7 +90,7 @@ impl Core {
 
     /// Returns the quantities at a point on a surface or solid, and a short form of the point.
     fn readout(&mut self, clicked: &ClickedObject<'_>) -> (Vec<Quantity>, Option<String>) {
-        let camera = self.model.view.inside.get(&clicked.object.name);
+        let camera = self.model.choices.inside.get(&clicked.object.name);
         let question = MeasureQuestion::pointer(clicked, camera);
         let answer =
             question.and_then(|question| self.measurer.answer(&clicked.subject(), &question));
@@ -161,7 +161,7 @@ impl Core {
             radius,
         } = asked;
         let none = || format!("there is no surface `{surface}`");
-        let camera = self.model.view.inside.get(&surface);
+        let camera = self.model.choices.inside.get(&surface);
         let centre = camera.and_then(|camera| Some(camera.chart()?.at));
         let lacks_centre = kind == FigureKind::Circle && places.len() + 1 == kind.places();
         if lacks_centre && radius.is_none() {
@@ -230,7 +230,7 @@ impl Core {
         let last = self.pictures.surface().filter(|it| paths.contains_key(it));
         let surface = last.or_else(|| paths.keys().next().cloned())?;
         let path = paths.get(&surface)?.clone();
-        let camera = *self.model.view.inside.get(&surface)?.chart()?;
+        let camera = *self.model.choices.inside.get(&surface)?.chart()?;
         Some((self.model.subject(&surface)?, path, camera))
     }
 }

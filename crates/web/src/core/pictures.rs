@@ -241,7 +241,7 @@ impl Core {
             rate: panes * shown.rate,
             ..shown
         });
-        let preferences = &self.model.view.preferences;
+        let preferences = &self.model.choices.preferences;
         let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
         Some(size)
     }
@@ -261,7 +261,7 @@ impl Core {
             moving,
             again: false,
         };
-        let most = self.model.view.preferences.samples;
+        let most = self.model.choices.preferences.samples;
         pane.next(request, coarse, most).map(Ok)
     }
 
@@ -294,7 +294,7 @@ impl Core {
 
     fn shows_traced(&self, id: &ViewId) -> bool {
         let can_be = id.object.is_none() && self.views.instead_of(&id.kind).is_some();
-        can_be && self.model.view.preferences.traced
+        can_be && self.model.choices.preferences.traced
     }
 
     fn nothing(&self, id: &ViewId) -> String {
@@ -369,7 +369,7 @@ impl Core {
         pane.is_awaited = true;
         pane.shown = Some(PictureDetail::new(request.size, took, image.samples));
         pane.request = Some(filled.unwrap_or(request));
-        let wanted = self.model.view.preferences.samples;
+        let wanted = self.model.choices.preferences.samples;
         let info = PictureInfo {
             view: id.to_string(),
             width,

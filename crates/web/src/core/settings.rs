@@ -1,7 +1,7 @@
 //! The settings in the page's form: JSON, as the window writes them beside a program.
 
 use serde_json::{Value, json};
-use session::{Step, View};
+use session::{Choices, Step};
 
 use super::Core;
 
@@ -9,14 +9,14 @@ use super::Core;
 ///
 /// # Errors
 /// The sentence about a value that cannot be read.
-pub(super) fn read(settings: Value) -> Result<View, String> {
+pub(super) fn read(settings: Value) -> Result<Choices, String> {
     let settings = match settings {
         Value::Null => json!({}),
         settings => settings,
     };
-    let view: View = serde_json::from_value(settings)
+    let choices: Choices = serde_json::from_value(settings)
         .map_err(|error| format!("the settings cannot be read: {error}"))?;
-    Ok(view.sane())
+    Ok(choices.sane())
 }
 
 /// Merges a patch into a value, as defined by RFC 7396.
@@ -65,40 +65,40 @@ fn title(patch: &Value) -> &'static str {
 impl Core {
     /// Returns all settings.
     pub(super) fn settings(&self) -> Value {
-        serde_json::to_value(&self.model.view).unwrap_or_default()
+        serde_json::to_value(&self.model.choices).unwrap_or_default()
     }
 
     pub(super) fn replace_settings(&mut self, settings: Value) {
         // Unreadable settings are ignored: the page sends the ones that it has received, or those of a link.
-        if let Ok(view) = read(settings) {
-            self.put(view, Some(Step::new("Change a setting", "")));
+        if let Ok(choices) = read(settings) {
+            self.put(choices, Some(Step::new("Change a setting", "")));
         }
     }
 
     pub(super) fn change_settings(&mut self, patch: &Value, step: Option<String>) {
         let mut settings = self.settings();
         merge(&mut settings, patch);
-        if let Ok(view) = read(settings) {
-            self.put(view, step.map(|mark| Step::new(title(patch), mark)));
+        if let Ok(choices) = read(settings) {
+            self.put(choices, step.map(|mark| Step::new(title(patch), mark)));
         }
     }
 
-    fn put(&mut self, mut view: View, step: Option<Step>) {
-        let before = &self.model.view.preferences;
-        let after = &view.preferences;
+    fn put(&mut self, mut choices: Choices, step: Option<Step>) {
+        let before = &self.model.choices.preferences;
+        let after = &choices.preferences;
         // Axes need room, and another camera shows another part of the scene.
         let needs_room = before.marks.axes != after.marks.axes;
         if before.camera != after.camera {
-            view.space = None;
+            choices.space = None;
         }
         match step {
-            Some(step) => self.model.change(step, |known| *known = view),
-            None => self.model.adjust(|known| *known = view),
+            Some(step) => self.model.change(step, |known| *known = choices),
+            None => self.model.adjust(|known| *known = choices),
         }
         if needs_room {
             self.model.reframe();
         }
-        self.sent.settings.clone_from(&self.model.view);
+        self.sent.settings.clone_from(&self.model.choices);
         self.sent.is_stale = true;
         self.note_motion();
     }
@@ -129,7 +129,7 @@ impl Core {
             false if self.model.place_of(name).is_some() => self.model.free_camera_name(),
             _ => name.to_owned(),
         };
-        let camera = self.model.view.space.zip(self.model.scene.as_ref());
+        let camera = self.model.choices.space.zip(self.model.scene.as_ref());
         let (camera, scene) = camera.ok_or("nothing is visible in space yet")?;
         // Scripts may name the axes of space otherwise.
         let [eye, target] = [camera.eye, camera.target].map(|place| scene.stated(place));

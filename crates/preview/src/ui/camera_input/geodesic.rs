@@ -14,7 +14,7 @@ pub(super) struct GeodesicInput;
 
 impl CameraInput for GeodesicInput {
     fn keys(&self, window: &mut Window, ui: &Ui, id: &ViewId, arrows: bool) {
-        let speed = window.model.view.preferences.camera_speed;
+        let speed = window.model.choices.preferences.camera_speed;
         let keys = &window.input.held;
         let motions = motions_of_keys(ui.input(|input| held(input, keys, arrows)), speed);
         for motion in motions {

@@ -27,12 +27,12 @@ impl CameraInput for SpaceInput {
             window.toggle_traced();
         }
         navigation::keys(window, ui);
-        let Some(camera) = window.model.view.space else {
+        let Some(camera) = window.model.choices.space else {
             return;
         };
-        let speed = window.model.view.preferences.camera_speed;
+        let speed = window.model.choices.preferences.camera_speed;
         let keys = &window.input.held;
-        let is_parallel = window.model.view.preferences.orthographic;
+        let is_parallel = window.model.choices.preferences.orthographic;
         let held = ui.input(|input| held(input, keys, arrows));
         let next = moved_by_keys(camera, held, speed, is_parallel);
         if next != camera {
@@ -42,8 +42,8 @@ impl CameraInput for SpaceInput {
 
     fn pointer(&self, window: &mut Window, ui: &Ui, id: &ViewId, response: &Response) {
         let side = shorter_side(response.rect);
-        let fly = window.model.view.preferences.fly;
-        if let Some(mut camera) = window.model.view.space {
+        let fly = window.model.choices.preferences.fly;
+        if let Some(mut camera) = window.model.choices.space {
             if !camera.moved {
                 let scene = window.model.scene.as_ref();
                 let mut objects = scene.iter().flat_map(|scene| &scene.objects);

@@ -79,11 +79,11 @@ pub(crate) fn ask(window: &mut Window) {
     }
     let surface = pane.object.clone();
     let surface = surface.or_else(|| window.focus.surface.clone());
-    let view = &window.model.view;
-    let camera = surface.and_then(|name| Some((name.clone(), *view.inside.get(&name)?)));
+    let choices = &window.model.choices;
+    let camera = surface.and_then(|name| Some((name.clone(), *choices.inside.get(&name)?)));
     if let Some((name, _)) = &camera {
         let way = window.model.paths.get(name);
-        let way = way.filter(|way| view.preferences.marks.trail && !way.motions().is_empty());
+        let way = way.filter(|way| choices.preferences.marks.trail && !way.motions().is_empty());
         moves.extend(
             way.map(|way| Moves::Again(InsideCamera::Chart(way.start), way.motions().to_vec())),
         );

@@ -194,7 +194,7 @@ fn refinement(window: &Window, pane: &ViewId) -> Option<[u32; 2]> {
         return None;
     }
     let done = window.pictures.shown(pane)?.detail.samples?;
-    Some([done, window.model.view.preferences.samples])
+    Some([done, window.model.choices.preferences.samples])
 }
 
 /// Shows the progress of a picture's refinement: a line along its lower edge, and a number.

@@ -99,10 +99,10 @@ impl Window {
     /// Returns whether a view of an object is to be open: because it opens by itself and was not closed, or because it
     /// was opened.
     pub(super) fn is_wanted(&self, id: &ViewId) -> bool {
-        let (name, view) = (id.to_string(), &self.model.view);
+        let (name, choices) = (id.to_string(), &self.model.choices);
         match self.opens_by_itself(id) {
-            true => !view.closed.contains(&name),
-            false => view.opened.contains(&name),
+            true => !choices.closed.contains(&name),
+            false => choices.opened.contains(&name),
         }
     }
 
@@ -111,12 +111,12 @@ impl Window {
             return;
         }
         let (name, by_itself) = (id.to_string(), self.opens_by_itself(id));
-        self.model.adjust(|view| {
-            view.closed.remove(&name);
-            view.opened.remove(&name);
+        self.model.adjust(|choices| {
+            choices.closed.remove(&name);
+            choices.opened.remove(&name);
             match (by_itself, is_wanted) {
-                (true, false) => view.closed.insert(name),
-                (false, true) => view.opened.insert(name),
+                (true, false) => choices.closed.insert(name),
+                (false, true) => choices.opened.insert(name),
                 _ => false,
             };
         });

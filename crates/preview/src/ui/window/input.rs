@@ -9,8 +9,8 @@ use session::camera_input::axis_views::Turn;
 use session::clicks::Clicks;
 use session::motion::Motion;
 use session::pane::Pane;
-use session::{Choice, SpaceCamera, Step};
 use session::{MessageKind, StatusMessage};
+use session::{SpaceCamera, Step, TextureChoice};
 
 use super::Window;
 use crate::engine::textures;
@@ -244,8 +244,8 @@ impl Window {
         .or(pressed(Modifiers::COMMAND, Key::Num0).then_some(Sizing::Plain));
         if let Some(sizing) = size {
             let step = Step::new("Change a setting", "scale");
-            self.model.change(step, |view| {
-                let scale = &mut view.preferences.scale;
+            self.model.change(step, |choices| {
+                let scale = &mut choices.preferences.scale;
                 *scale = sizing.of(*scale);
             });
         }
@@ -340,15 +340,16 @@ impl Window {
             let sentence = format!("{} lies on {surface}", file.to_string_lossy());
             self.status_message = Some(StatusMessage::info(sentence));
         }
-        self.model.change(Step::new("Open textures", ""), |view| {
-            for path in paths {
-                if !view.textures.contains(&path) {
-                    view.textures.push(path);
+        self.model
+            .change(Step::new("Open textures", ""), |choices| {
+                for path in paths {
+                    if !choices.textures.contains(&path) {
+                        choices.textures.push(path);
+                    }
                 }
-            }
-            if let Some(surface) = surface {
-                view.looks.entry(surface).or_default().texture = Choice::Image(last);
-            }
-        });
+                if let Some(surface) = surface {
+                    choices.looks.entry(surface).or_default().texture = TextureChoice::Image(last);
+                }
+            });
     }
 }

@@ -68,7 +68,7 @@ impl Pictures {
 
     /// Returns the request for a picture that is saved: as its pane shows it at rest, even while it moves.
     pub(crate) fn kept(&self, model: &Model, pane: &ViewId) -> Option<PictureRequest> {
-        let preferences = &model.view.preferences;
+        let preferences = &model.choices.preferences;
         let view = self.of_views.get(pane)?;
         let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
@@ -172,7 +172,7 @@ impl Window {
             // A picture that has just arrived is not replaced by one of a size that would have been faster.
             Some(sent) if moving && again => sent.size,
             _ => {
-                let preferences = &self.model.view.preferences;
+                let preferences = &self.model.choices.preferences;
                 self.pictures
                     .size(preferences, pane, view.room?, moving, false)
             }
@@ -206,7 +206,7 @@ impl Window {
         again: bool,
     ) -> Option<PictureRequest> {
         let room = self.pictures.of_views.get(pane)?.room?;
-        let preferences = self.model.view.preferences.clone();
+        let preferences = self.model.choices.preferences.clone();
         let size = |moving| self.pictures.size(&preferences, pane, room, moving, true);
         let [coarse, whole] = [size(true), size(false)];
         let request = self.picture_request(pane, whole, false)?;
@@ -225,7 +225,7 @@ impl Window {
 
     /// Returns whether a pane shows the whole scene ray-traced.
     pub(crate) fn shows_traced(&self, pane: &ViewId) -> bool {
-        self.model.view.preferences.traced && self.can_be_traced(pane)
+        self.model.choices.preferences.traced && self.can_be_traced(pane)
     }
 
     /// Returns whether a pane can show the whole scene ray-traced.
@@ -235,7 +235,7 @@ impl Window {
 
     /// Shows the whole scene ray-traced, or as before.
     pub(crate) fn toggle_traced(&mut self) {
-        let traced = self.model.view.preferences.traced;
+        let traced = self.model.choices.preferences.traced;
         self.model.set_traced(!traced);
     }
 
@@ -308,7 +308,7 @@ impl Window {
     /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the
     /// params do. It is ignored if the scene or the pane's size has changed since the request.
     fn take_space_camera(&mut self, pane: &ViewId, first: SpaceCamera, request: &PictureRequest) {
-        if self.model.view.space.is_some() || self.model.follows_declared_camera() {
+        if self.model.choices.space.is_some() || self.model.follows_declared_camera() {
             return self.model.take_first_camera(first);
         }
         let view = self.pictures.of_views.get_mut(pane);

@@ -7,7 +7,7 @@ use egui::Context;
 use ide::Languages;
 use render::{ViewId, Views};
 use session::editor::Editor;
-use session::{StatusMessage, View};
+use session::{Choices, StatusMessage};
 
 use super::Window;
 use super::event::{WindowEvent, WindowEvents};
@@ -93,7 +93,7 @@ impl Window {
         if !self.remembers_views() {
             // The saved state of a program that is already open must not be used.
             self.records.view_store = None;
-            self.model.turn_to(View::default());
+            self.model.turn_to(Choices::default());
         }
         self.take_appearance();
         self.note_recent();
@@ -102,19 +102,19 @@ impl Window {
     /// Gives the window the theme and the scale that were last chosen in any window.
     pub(super) fn take_appearance(&mut self) {
         let settings = self.records.settings.now();
-        let mut view = self.model.view.clone();
-        let preferences = &mut view.preferences;
+        let mut choices = self.model.choices.clone();
+        let preferences = &mut choices.preferences;
         preferences.theme = settings.theme.unwrap_or(preferences.theme);
         preferences.scale = settings.scale.unwrap_or(preferences.scale);
         self.records.appearance = Some((preferences.theme, preferences.scale));
-        if view != self.model.view {
-            self.model.turn_to(view);
+        if choices != self.model.choices {
+            self.model.turn_to(choices);
         }
     }
 
     /// Saves the theme and the scale for all programs, if they have changed since the program was opened.
     pub(super) fn keep_appearance(&mut self) {
-        let preferences = &self.model.view.preferences;
+        let preferences = &self.model.choices.preferences;
         let now = (preferences.theme, preferences.scale);
         let before = self.records.appearance.replace(now);
         if before.is_some_and(|before| before != now) {
@@ -226,10 +226,10 @@ impl Window {
         }
         self.records.view_store = None;
         self.forget_click();
-        let preferences = self.model.view.preferences.clone();
-        self.model.turn_to(View {
+        let preferences = self.model.choices.preferences.clone();
+        self.model.turn_to(Choices {
             preferences,
-            ..View::default()
+            ..Choices::default()
         });
         self.model.forget_program();
         let first = ViewId::of_scene(self.views.first().name());

@@ -43,8 +43,8 @@ fn count(counters: &mut Counters, model: &mut Model) {
         let params = scene.params.iter();
         counters.params = params.map(|it| (it.name.clone(), values(it))).collect();
     }
-    counters.eye = model.view.space.map(|camera| camera.eye);
-    let inside = model.view.inside.iter();
+    counters.eye = model.choices.space.map(|camera| camera.eye);
+    let inside = model.choices.inside.iter();
     let paths = model.paths.iter();
     counters.trails = paths
         .map(|(name, path)| (name.clone(), path.trail.length))

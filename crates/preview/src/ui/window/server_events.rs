@@ -149,7 +149,7 @@ impl Window {
     /// Writes the camera of the views in space into the text: into the declared camera from which they opened, or else
     /// as a new one.
     pub(crate) fn write_camera(&mut self) {
-        let Some(camera) = self.model.view.space else {
+        let Some(camera) = self.model.choices.space else {
             return;
         };
         let declared = self.model.declared_camera();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, Grid, Ui};
 use scene::{AttributeValue, Object, Scene};
-use session::{Choice, Step};
+use session::{Step, TextureChoice};
 
 use crate::ui::colour;
 use crate::ui::window::Window;
@@ -62,7 +62,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
 /// Shows the row of an object; `room` is the width for its list of textures.
 fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     let name = &object.name;
-    let look = window.model.view.look(name);
+    let look = window.model.choices.look(name);
     let drawn = !object.shape.is_metric();
     let mut shown = !look.hidden;
     let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
@@ -70,8 +70,8 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     if show.accessible_name(format!("Show {name}")).changed() {
         window
             .model
-            .change(Step::new("Show or hide", name.as_str()), |view| {
-                view.looks.entry(name.clone()).or_default().hidden = !shown;
+            .change(Step::new("Show or hide", name.as_str()), |choices| {
+                choices.looks.entry(name.clone()).or_default().hidden = !shown;
             });
     }
     let stated = window.model.scene.as_ref();
@@ -91,7 +91,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     if object.shape.manifold().is_some() {
         let mut texture = look.texture.clone();
         if choose(
-            &window.model.view.textures,
+            &window.model.choices.textures,
             ui,
             &format!("Texture of {name}"),
             &mut texture,
@@ -99,8 +99,8 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
         ) {
             window
                 .model
-                .change(Step::new("Choose a texture", name.as_str()), |view| {
-                    view.looks.entry(name.clone()).or_default().texture = texture;
+                .change(Step::new("Choose a texture", name.as_str()), |choices| {
+                    choices.looks.entry(name.clone()).or_default().texture = texture;
                 });
         }
         let mut flipped = look.flipped;
@@ -112,8 +112,8 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
         {
             window
                 .model
-                .change(Step::new("Flip an image", name.as_str()), |view| {
-                    view.looks.entry(name.clone()).or_default().flipped = flipped;
+                .change(Step::new("Flip an image", name.as_str()), |choices| {
+                    choices.looks.entry(name.clone()).or_default().flipped = flipped;
                 });
         }
     } else {
@@ -131,8 +131,8 @@ fn chosen_colour(window: &mut Window, ui: &mut Ui, name: &str, chosen: Option<[u
         .changed()
     {
         let step = Step::new("Change a colour", name);
-        window.model.change(step, |view| {
-            view.looks.entry(name.to_owned()).or_default().colour = Some(colour);
+        window.model.change(step, |choices| {
+            choices.looks.entry(name.to_owned()).or_default().colour = Some(colour);
         });
     }
 }
@@ -194,7 +194,7 @@ fn choose(
     images: &[PathBuf],
     ui: &mut Ui,
     label: &str,
-    choice: &mut Choice,
+    choice: &mut TextureChoice,
     (of_object, room): (bool, f32),
 ) -> bool {
     let before = choice.clone();
@@ -203,28 +203,28 @@ fn choose(
         .width(room.clamp(LIST[0], LIST[1]))
         .truncate()
         .show_ui(ui, |ui| {
-            let mut option = |other: Choice| {
+            let mut option = |other: TextureChoice| {
                 let title = title(&other, of_object);
                 ui.selectable_value(choice, other, title);
             };
-            option(Choice::Default);
-            option(Choice::Plain);
-            option(Choice::Curvature);
+            option(TextureChoice::Default);
+            option(TextureChoice::Plain);
+            option(TextureChoice::Curvature);
             for path in images {
-                option(Choice::Image(path.clone()));
+                option(TextureChoice::Image(path.clone()));
             }
         });
     combo.response.accessible_name(label);
     *choice != before
 }
 
-fn title(choice: &Choice, of_object: bool) -> String {
+fn title(choice: &TextureChoice, of_object: bool) -> String {
     match choice {
-        Choice::Default if of_object => "Default".to_owned(),
-        Choice::Default => "Orientation".to_owned(),
-        Choice::Plain => "Plain colour".to_owned(),
-        Choice::Curvature => "Gaussian curvature".to_owned(),
-        Choice::Image(path) => file_name(path),
+        TextureChoice::Default if of_object => "Default".to_owned(),
+        TextureChoice::Default => "Orientation".to_owned(),
+        TextureChoice::Plain => "Plain colour".to_owned(),
+        TextureChoice::Curvature => "Gaussian curvature".to_owned(),
+        TextureChoice::Image(path) => file_name(path),
     }
 }
 
@@ -242,10 +242,10 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     ui.heading("Textures");
     ui.horizontal_wrapped(|ui| {
         ui.label("Default");
-        let mut choice = window.model.view.default_texture.clone();
+        let mut choice = window.model.choices.default_texture.clone();
         let room = ui.available_width();
         if choose(
-            &window.model.view.textures,
+            &window.model.choices.textures,
             ui,
             "Default texture",
             &mut choice,
@@ -254,7 +254,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
             let step = Step::new("Choose the default texture", "");
             window
                 .model
-                .change(step, |view| view.default_texture = choice);
+                .change(step, |choices| choices.default_texture = choice);
         }
         if ui.button("Open textures…").clicked() {
             let folder = window.text.folder();
@@ -281,7 +281,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         }
     });
     let mut removed = None;
-    for path in &window.model.view.textures {
+    for path in &window.model.choices.textures {
         ui.horizontal(|ui| {
             let name = file_name(path);
             match window.pictures.library.trouble(path) {
@@ -304,8 +304,8 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     if let Some(path) = removed {
         window
             .model
-            .change(Step::new("Remove a texture", ""), |view| {
-                view.textures.retain(|it| *it != path);
+            .change(Step::new("Remove a texture", ""), |choices| {
+                choices.textures.retain(|it| *it != path);
             });
     }
     ui.weak("Images that are added or dropped onto the window are shown on the surface in use.");

@@ -168,12 +168,12 @@ fn take_value(
 ) {
     if slider.changed() {
         let step = Step::new("Move a param", name_of(param, k));
-        window.model.change(step, |view| {
-            view.choose(&param.name, k, Some(value));
+        window.model.change(step, |choices| {
+            choices.choose(&param.name, k, Some(value));
         });
         window.has_moved(ui);
     }
-    if window.model.view.preferences.write_on_release {
+    if window.model.choices.preferences.write_on_release {
         // A change by keys ends when the last one is released, typing when the field loses the focus.
         if slider.changed() && !slider.dragged() {
             window.input.unwritten_param = Some(param.name.clone());
@@ -186,15 +186,15 @@ fn take_value(
 
 /// Shows the button that animates a component, or stops it.
 fn animated(model: &mut Model, ui: &mut Ui, param: &Param, k: usize, name: &str) {
-    let animation = model.view.animations.get(&param.name);
+    let animation = model.choices.animations.get(&param.name);
     let on = animation.is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
     let (icon, hint) = match on {
         true => (Icon::Pause, "Stop"),
         false => (Icon::Play, "Animate"),
     };
     if icons::button(ui, icon, on, format!("Animate {name}"), hint).clicked() {
-        model.change(Step::new("Animate", name), |view| {
-            view.animate(&param.name, k, !on);
+        model.change(Step::new("Animate", name), |choices| {
+            choices.animate(&param.name, k, !on);
         });
     }
 }
@@ -206,7 +206,7 @@ fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
         if ui.button("Update the text").on_hover_text(hint).clicked() {
             window.write_param(&param.name);
         }
-        let chosen = window.model.view.params.get(&param.name);
+        let chosen = window.model.choices.params.get(&param.name);
         let is_chosen = chosen.is_some_and(|it| it.get(k).is_some_and(Option::is_some));
         let hint = "Take the value that the program gives it";
         let reset = ui.add_enabled(is_chosen, Button::new("Reset"));
@@ -214,10 +214,10 @@ fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
             let step = Step::new("Reset a param", name);
             window
                 .model
-                .change(step, |view| view.choose(&param.name, k, None));
+                .change(step, |choices| choices.choose(&param.name, k, None));
         }
         ui.separator();
-        let animation = window.model.view.animations.get(&param.name);
+        let animation = window.model.choices.animations.get(&param.name);
         let mut speed = animation.map_or(1.0, |it| it.speed);
         ui.horizontal(|ui| {
             let label = ui.label("Units per second");
@@ -225,8 +225,12 @@ fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
                 .speed(0.01)
                 .range(-1e6..=1e6);
             if ui.add(drag).labelled_by(label.id).changed() {
-                window.model.adjust(|view| {
-                    view.animations.entry(param.name.clone()).or_default().speed = speed;
+                window.model.adjust(|choices| {
+                    choices
+                        .animations
+                        .entry(param.name.clone())
+                        .or_default()
+                        .speed = speed;
                 });
             }
         });

@@ -68,19 +68,19 @@ pub(super) fn preferences(model: &mut Model, ui: &mut Ui) {
             .labelled_by(label.id);
         ui.end_row();
     });
-    let mut write = model.view.preferences.write_on_release;
+    let mut write = model.choices.preferences.write_on_release;
     let text = "Update the program when a slider is released";
     if ui.checkbox(&mut write, text).changed() {
-        model.change(Step::new("Change a setting", "write"), |view| {
-            view.preferences.write_on_release = write;
+        model.change(Step::new("Change a setting", "write"), |choices| {
+            choices.preferences.write_on_release = write;
         });
     }
-    let mut run_times = model.view.preferences.run_times;
+    let mut run_times = model.choices.preferences.run_times;
     let hint = "In the status line: the renderer, the time for each picture, and its error";
     let tick = ui.checkbox(&mut run_times, "Show run times");
     if tick.on_hover_text(hint).changed() {
-        model.change(Step::new("Change a setting", "run times"), |view| {
-            view.preferences.run_times = run_times;
+        model.change(Step::new("Change a setting", "run times"), |choices| {
+            choices.preferences.run_times = run_times;
         });
     }
 }
@@ -97,7 +97,7 @@ pub(super) fn memory(window: &mut Window, ui: &mut Ui) {
 
 /// Shows preferences for editing in rows of two columns: a change is an undoable step.
 fn edit(model: &mut Model, ui: &mut Ui, name: &str, show: impl FnOnce(&mut Preferences, &mut Ui)) {
-    let mut preferences = model.view.preferences.clone();
+    let mut preferences = model.choices.preferences.clone();
     let before = preferences.clone();
     Grid::new(name)
         .num_columns(2)
@@ -105,7 +105,7 @@ fn edit(model: &mut Model, ui: &mut Ui, name: &str, show: impl FnOnce(&mut Prefe
         .show(ui, |ui| show(&mut preferences, ui));
     if preferences != before {
         let step = Step::new("Change a setting", name);
-        model.change(step, |view| view.preferences = preferences);
+        model.change(step, |choices| choices.preferences = preferences);
     }
 }
 

@@ -15,7 +15,7 @@ use super::pane::saved_views;
 /// All choices.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
-pub struct View {
+pub struct Choices {
     /// The appearance of objects, by name.
     pub looks: BTreeMap<String, Look>,
     /// The chosen values of params, by component.
@@ -35,7 +35,7 @@ pub struct View {
     /// The image files that surfaces may show, in the order in which they were opened.
     pub textures: Vec<PathBuf>,
     /// The texture of surfaces without a choice of their own.
-    pub default_texture: Choice,
+    pub default_texture: TextureChoice,
     /// All other choices.
     pub preferences: Preferences,
 }
@@ -47,7 +47,7 @@ pub struct Look {
     /// Its colour, sRGB; `None` for the default of its kind.
     pub colour: Option<[u8; 3]>,
     /// The texture of a surface.
-    pub texture: Choice,
+    pub texture: TextureChoice,
     /// True if its image is upside down.
     pub flipped: bool,
     /// True if it is not drawn.
@@ -57,7 +57,7 @@ pub struct Look {
 /// A texture.
 #[derive(Clone, Debug, Default, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub enum Choice {
+pub enum TextureChoice {
     /// The session's default; as the default itself, the built-in picture that shows directions.
     #[default]
     Default,
@@ -249,7 +249,7 @@ impl Default for Preferences {
     }
 }
 
-impl View {
+impl Choices {
     /// Chooses a value for a component, from 0, of a param, or with `None` leaves it to the text.
     pub fn choose(&mut self, param: &str, component: usize, value: Option<f64>) {
         let values = self.params.entry(param.to_owned()).or_default();
@@ -276,15 +276,15 @@ impl View {
         self.looks.get(name).cloned().unwrap_or_default()
     }
 
-    /// Returns the texture of a surface; [`Choice::Default`] only stands for the built-in picture.
-    pub fn texture(&self, name: &str) -> &Choice {
+    /// Returns the texture of a surface; [`TextureChoice::Default`] only stands for the built-in picture.
+    pub fn texture(&self, name: &str) -> &TextureChoice {
         match self.looks.get(name).map(|look| &look.texture) {
-            None | Some(Choice::Default) => &self.default_texture,
+            None | Some(TextureChoice::Default) => &self.default_texture,
             Some(choice) => choice,
         }
     }
 
-    /// Returns the view with every number in its valid range: a file may hold anything.
+    /// Returns the choices with every number in its valid range: a file may hold anything.
     #[must_use]
     pub fn sane(mut self) -> Self {
         let preferences = &mut self.preferences;
