@@ -2,8 +2,7 @@
 //! again only if its request has changed.
 
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
-use render::request::part::SpaceOptions;
-use render::request::{Overlays, Spacing};
+use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
 use render::style::Theme;
 use render::trail::Trail;
@@ -59,12 +58,7 @@ pub fn picture_request(
     {
         view.show_camera(camera.on(surface));
     }
-    let mut hidden = Vec::new();
-    if let Some(space) = view.space_mut() {
-        hidden = model.hidden();
-        space.hidden.clone_from(&hidden);
-        show_space(model, &scene, space);
-    }
+    let hidden = show_space(model, &scene, &mut view);
     let is_in_space = view.space().is_some();
     let mut request = PictureRequest::new(&scene, model.settings()?, view, pane.size);
     request.trails = trails(model, &scene, &marks, own, is_in_space);
@@ -77,8 +71,11 @@ pub fn picture_request(
     Some(request)
 }
 
-/// Sets the camera, the background and the highlighted object of a view in space.
-fn show_space(model: &Model, scene: &Scene, space: &mut SpaceOptions) {
+/// Sets the camera, the background, the highlighted and the hidden objects of a view in space. Returns the hidden ones.
+fn show_space(model: &Model, scene: &Scene, view: &mut ViewPart) -> Vec<ObjectId> {
+    let Some(space) = view.space_mut() else {
+        return Vec::new();
+    };
     let camera = model.choices.space;
     let camera = camera.filter(|_| !model.follows_declared_camera());
     space.declared = model.declared_camera().map(|camera| camera.name.clone());
@@ -96,6 +93,8 @@ fn show_space(model: &Model, scene: &Scene, space: &mut SpaceOptions) {
     let highlighted = highlighted.filter(|_| model.emphasis != Emphasis::Off);
     let highlighted = highlighted.and_then(|name| scene.object(name));
     space.highlight = highlighted.map(|(id, _)| id);
+    space.hidden = model.hidden();
+    space.hidden.clone()
 }
 
 /// Returns the paths and figures that a view shows: those on its own surface, or in space those on all surfaces.
