@@ -35,7 +35,7 @@ pub(crate) struct FrameReader<R> {
     buffer: Vec<u8>,
     /// The number of bytes at the start of the buffer that have been used.
     used: usize,
-    /// Whether the bytes from `used` on may be the rest of a faulty message: everything before the next header is skipped.
+    /// True if the bytes from `used` on may be the rest of a faulty message: everything before the next header is skipped.
     skips: bool,
     ended: bool,
     /// The reason of an end by a failure, until it has been returned.
