@@ -431,7 +431,7 @@ fn a_file_that_is_longer_than_64_mb_is_not_read() {
 }
 
 #[test]
-fn wrong_usage_is_told_from_errors_of_the_program() {
+fn wrong_usage_is_distinguished_from_errors_of_the_program() {
     geotrace(["paint"]).run().expect_status(2);
     geotrace(["check"]).run().expect_status(2);
     geotrace(["check", "-", "--format", "xml"])
@@ -977,7 +977,7 @@ fn a_closed_terminal_leaves_nothing_behind() {
 
 #[cfg(unix)]
 #[test]
-fn a_file_that_may_not_grow_is_told_and_leaves_nothing_behind() {
+fn a_file_that_may_not_grow_is_reported_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(
         folder.path().join("s.gtr"),

@@ -39,7 +39,7 @@ fn folder() -> tempfile::TempDir {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_standard_output_that_is_full_is_told_by_every_command() {
+fn a_standard_output_that_is_full_is_reported_by_every_command() {
     let folder = folder();
     let commands: [&[&str]; 11] = [
         &["--help"],
@@ -114,7 +114,7 @@ fn a_series_on_a_full_disk_replaces_nothing_and_leaves_nothing() {
 
 #[cfg(unix)]
 #[test]
-fn a_folder_that_vanishes_while_pictures_are_drawn_is_told() {
+fn a_folder_that_vanishes_while_pictures_are_drawn_is_reported() {
     let folder = folder();
     let out = folder.path().join("out");
     std::fs::create_dir(&out).expect("a folder");

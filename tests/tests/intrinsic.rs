@@ -69,7 +69,7 @@ fn a_metric_is_found_by_its_name_and_a_geodesic_is_none() {
 }
 
 #[test]
-fn explain_tells_of_metrics_and_geodesics() {
+fn explain_describes_metrics_and_geodesics() {
     let program = format!(
         "param o : [0,1]; grid k : [0,1,3];
          {HALF_PLANE} geodesic g(t) : h = (k,1) @ (o,1), t : [0,1,50];"

@@ -86,7 +86,7 @@ fn a_file_that_does_not_exist_is_named_and_a_misspelt_command_is_mended() {
 }
 
 #[test]
-fn what_is_wrong_with_the_program_or_the_file_is_told_all_the_same() {
+fn what_is_wrong_with_the_program_or_the_file_is_reported_all_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let broken = folder.path().join("broken.gtr");
     std::fs::write(&broken, "define a = sinn 1;").expect("a file");

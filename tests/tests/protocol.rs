@@ -324,7 +324,7 @@ async fn edits_out_of_range_and_the_wrong_way_round_are_taken_for_the_nearest_th
 }
 
 #[tokio::test]
-async fn tokens_that_are_told_as_differences_are_the_tokens() {
+async fn tokens_that_are_sent_as_differences_are_the_tokens() {
     let mut editor = started(Place::Here, "tokens").await;
     editor.open(URI, PROGRAM).await;
     let full = |document: Value| json!({ "textDocument": document });

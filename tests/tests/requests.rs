@@ -54,7 +54,7 @@ async fn the_root_of_an_editor_without_folders_is_searched() {
 }
 
 #[tokio::test]
-async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
+async fn a_search_finds_programs_that_are_not_open_and_reports_its_progress() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     std::fs::create_dir(path.join(".hidden")).expect("a folder");

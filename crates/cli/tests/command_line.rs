@@ -349,7 +349,7 @@ fn meshes_are_written_by_the_extension_or_the_format() {
 }
 
 #[test]
-fn a_mesh_that_cannot_be_made_is_told_and_leaves_no_file() {
+fn a_mesh_that_cannot_be_made_is_reported_and_leaves_no_file() {
     let folder = folder(&[("a.gtr", "curve c(t) = (t,0,0), t : [0,1];")]);
     for (arguments, status, words) in [
         (&["-o", "a.dxf"][..], 2, "does not determine a format"),
@@ -621,7 +621,7 @@ fn a_name_that_objects_share_stands_for_all_of_them() {
 }
 
 #[test]
-fn a_colour_that_is_not_shown_is_told() {
+fn a_colour_that_is_not_shown_is_reported() {
     let text = "solid b(x, y, z) = x^2 + y^2 + z^2 - 1, color : (0, 1, 0); \
         surface s(u, v) = (u, v, 2), u : [0, 1], v : [0, 1], color : (u, v, 0); \
         curve c(t) = (t, 0, 3), t : [0, 1], color : (1, 0, 0); point p = (0, 0, 2);";

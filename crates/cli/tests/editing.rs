@@ -103,7 +103,7 @@ fn a_program_with_errors_is_laid_out_as_far_as_it_can_be_read() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told_and_the_others_are_laid_out_all_the_same() {
+fn what_cannot_be_read_is_reported_and_the_others_are_laid_out_all_the_same() {
     let latin = b"define a = 1; # \xE9\n";
     let folder = folder(&[("a.gtr", UNTIDY.as_bytes()), ("l.gtr", latin)]);
     let arguments = ["format", "l.gtr", "missing.gtr", ".", "a.gtr"];

@@ -261,8 +261,8 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
     assert!((eye - wanted).length() < 0.01 * wanted.length(), "{eye}");
     let ahead = (DVec3::from(target.0) - eye).normalize();
     assert!(ahead.dot(-eye.normalize()) > 0.9999, "{ahead}");
-    let told = Script::default().steady(&request).expect("a camera");
-    assert_eq!(told.view, request.view);
+    let steady = Script::default().steady(&request).expect("a camera");
+    assert_eq!(steady.view, request.view);
 }
 
 #[test]

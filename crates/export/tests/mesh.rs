@@ -392,7 +392,7 @@ fn a_shape_far_from_zero_keeps_its_digits_in_gltf() {
 }
 
 #[test]
-fn stl_without_a_surface_is_refused_and_lines_are_told() {
+fn stl_without_a_surface_is_refused_and_lines_are_reported() {
     let model = exported("curve c(t) = (t,t,t), t : [0,1];");
     let refused = model.write(MeshFormat::Stl, &mut Vec::new());
     assert!(
@@ -401,10 +401,10 @@ fn stl_without_a_surface_is_refused_and_lines_are_told() {
     let model = exported(
         "curve c(t) = (t,t,t), t : [0,1]; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];",
     );
-    let told = model
+    let note = model
         .write(MeshFormat::Stl, &mut Vec::new())
         .expect("a file");
-    assert_eq!(told, ["STL holds surfaces only: `c` is left out"]);
+    assert_eq!(note, ["STL holds surfaces only: `c` is left out"]);
     let nothing = exported("param a : [0,1];").write(MeshFormat::Obj, &mut Vec::new());
     assert!(
         matches!(nothing, Err(ExportError::Nothing { ref left_out, .. }) if left_out.is_empty())
@@ -703,7 +703,7 @@ fn counts_of_intervals_say_how_fine_a_solid_is() {
 }
 
 #[test]
-fn a_count_that_is_too_large_is_told() {
+fn a_count_that_is_too_large_is_reported() {
     let bar = |count: u32| {
         let source = format!("solid b(x,y,z) = max(abs y, abs z) - 0.005, x : [0, 1, {count}];");
         let model = exported(&source);
@@ -724,18 +724,18 @@ fn a_count_that_is_too_large_is_told() {
 }
 
 #[test]
-fn what_is_thinner_than_a_cell_is_told() {
+fn what_is_thinner_than_a_cell_is_reported() {
     let plate = "solid plate(x,y,z) = max(abs x - 5, abs y - 5, abs z - 0.02); \
         solid hole(x,y) = x^2+y^2-0.09; solid s = plate \\ hole @ (1,0,0)";
     let model = exported(&format!("{plate};"));
-    let told = "`s` has no mesh: it is thinner than a cell of 0.078 everywhere; make the cells smaller by counts: `x : [-5.1, 5.1, 512]`";
-    assert_eq!(model.notes, [told]);
+    let note = "`s` has no mesh: it is thinner than a cell of 0.078 everywhere; make the cells smaller by counts: `x : [-5.1, 5.1, 512]`";
+    assert_eq!(model.notes, [note]);
     let error = model
         .write(MeshFormat::Obj, &mut Vec::new())
         .expect_err("nothing");
     assert_eq!(
         error.to_string(),
-        format!("there is nothing to export: {told}")
+        format!("there is nothing to export: {note}")
     );
     // Smaller cells help.
     let model = exported(&format!("{plate}, x : [-5.1, 5.1, 300];"));
@@ -749,8 +749,8 @@ fn what_is_thinner_than_a_cell_is_told() {
     let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
     assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
     let unknown = exported("solid star(x,y,z) = x^(2/3) + y^(2/3) + z^(2/3) - 1;");
-    let told = "`star` has no mesh: no bounding box was found, and it may be unbounded; ";
-    assert!(unknown.notes[0].starts_with(told), "{:?}", unknown.notes);
+    let note = "`star` has no mesh: no bounding box was found, and it may be unbounded; ";
+    assert!(unknown.notes[0].starts_with(note), "{:?}", unknown.notes);
 
     for (source, is_partly_thin) in [
         // A brim, a shell, and a plate that no axis is normal to.
@@ -791,9 +791,9 @@ fn what_is_thinner_than_a_cell_is_told() {
         let model = exported(&source);
         assert!(model.triangles(MeshFormat::Stl) > 0, "{source}");
         let notes = &model.notes;
-        let told = "parts of `t` are thinner than a cell (0.";
+        let note = "parts of `t` are thinner than a cell (0.";
         assert!(
-            notes.iter().all(|note| note.starts_with(told)),
+            notes.iter().all(|it| it.starts_with(note)),
             "{source}: {notes:?}"
         );
         assert_eq!(notes.len(), usize::from(is_partly_thin), "{source}");
@@ -899,7 +899,7 @@ fn a_colour_that_depends_on_the_place_is_that_of_the_vertices() {
 }
 
 #[test]
-fn triangles_without_an_area_in_single_precision_are_told() {
+fn triangles_without_an_area_in_single_precision_are_reported() {
     let tiny = exported(
         "surface s(u,v) = (cosu cosv, sinu cosv, sinv) 1e-46, u : [-pi,pi,9], v : [-pi/2,pi/2,9];",
     );
@@ -910,8 +910,8 @@ fn triangles_without_an_area_in_single_precision_are_told() {
     let Err(error @ ExportError::Nothing { .. }) = error else {
         panic!("{error:?}")
     };
-    let told = format!("{triangles} of the {triangles} triangles of `s` are left out: STL has");
-    assert!(error.to_string().contains(&told), "{error}");
+    let note = format!("{triangles} of the {triangles} triangles of `s` are left out: STL has");
+    assert!(error.to_string().contains(&note), "{error}");
     let notes = tiny
         .write(MeshFormat::Glb, &mut Vec::new())
         .expect("a file");
@@ -931,11 +931,11 @@ fn triangles_without_an_area_in_single_precision_are_told() {
         let count = u32::from_le_bytes(bytes[80..84].try_into().expect("four bytes"));
         assert_eq!(far.triangles(MeshFormat::Stl), count as usize);
         let lost = 40 * 39 * 2 - count;
-        let told = match lost {
+        let note = match lost {
             0 => "the shape of `s` is rounded roughly: STL".to_owned(),
             lost => format!("{lost} of the 3120 triangles of `s` are left out: STL"),
         };
-        assert!(notes[0].starts_with(&told), "{notes:?}");
+        assert!(notes[0].starts_with(&note), "{notes:?}");
         assert_eq!(lost > 0, place == "(1e9, 1e9, 1e9)");
         let notes = far.write(MeshFormat::Glb, &mut Vec::new()).expect("a file");
         assert_eq!(notes, [] as [&str; 0]);
@@ -943,23 +943,23 @@ fn triangles_without_an_area_in_single_precision_are_told() {
 }
 
 #[test]
-fn what_is_left_out_of_a_mesh_is_told() {
+fn what_is_left_out_of_a_mesh_is_reported() {
     let model = exported(
         "surface s(u,v) = (1e39u, v, 0), u : [0, 1, 11], v : [0, 1, 3]; \
         curve c(t) = (t 1e39, 0, 0), t : [-1, 1, 11]; \
         vector big = (1e300, 0, 0) @ (0, 0, 0); point p = (1e39, 0, 0); surface line(u, v) = (u, u, u), \
         u : [0, 1, 3], v : [0, 1, 3]; point q = (0, 0, 0);",
     );
-    let told = |start: &str| {
+    let assert_noted = |start: &str| {
         let notes = model.notes.iter();
         let found = notes.filter(|note| note.starts_with(start)).count();
         assert_eq!(found, 1, "{start}: {:?}", model.notes);
     };
-    told("`s` is left out: mesh files have single precision");
-    told("8 of the 11 points of `c` are left out: ");
-    told("`big` is left out: mesh files");
-    told("`p` is left out: mesh files");
-    told("`line` is left out: it has no area");
+    assert_noted("`s` is left out: mesh files have single precision");
+    assert_noted("8 of the 11 points of `c` are left out: ");
+    assert_noted("`big` is left out: mesh files");
+    assert_noted("`p` is left out: mesh files");
+    assert_noted("`line` is left out: it has no area");
     assert_eq!(model.notes.len(), 5, "{:?}", model.notes);
 }
 

@@ -56,7 +56,7 @@ mod tests {
     use super::{Follower, Gap};
 
     #[test]
-    fn edits_apply_to_the_version_that_they_name_and_a_gap_is_told_once() {
+    fn edits_apply_to_the_version_that_they_name_and_a_gap_is_reported_once() {
         let mut follower = Follower::default();
         assert_eq!(follower.edit(2, 1), Err(Gap { ask: true }), "no text yet");
         follower.text(3);

@@ -109,13 +109,13 @@ fn a_sphere_s_conjugate_points_are_half_a_turn_away() {
 
 /// The share of the pixels that lie beyond the cut locus, in per cent.
 fn share_beyond(picture: &RenderedImage<RgbaImage>) -> f64 {
-    let told = picture.notes.iter().find_map(|note| {
+    let share = picture.notes.iter().find_map(|note| {
         let share = note
             .text()
             .split_once(" % of the pixels lie beyond the cut locus")?;
         share.0.parse::<f64>().ok()
     });
-    told.unwrap_or_else(|| panic!("{:?}", picture.notes))
+    share.unwrap_or_else(|| panic!("{:?}", picture.notes))
 }
 
 #[test]
@@ -142,9 +142,9 @@ fn nothing_but_what_lies_behind_it_is_cut_off_by_a_sphere_s_pole() {
         cut_locus: true,
         ..Overlays::default()
     };
-    let told = share_beyond(&draw(source, [1.0, 0.7], 4.0, overlays));
+    let noted = share_beyond(&draw(source, [1.0, 0.7], 4.0, overlays));
     let share = 100.0 * (1.0 - PI.powi(3) / 64.0);
-    assert!((told - share).abs() < 0.5, "{told} %, not {share} %");
+    assert!((noted - share).abs() < 0.5, "{noted} %, not {share} %");
 }
 
 #[test]
@@ -195,8 +195,8 @@ fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
     };
     let picture = draw(CYLINDER, [0.5, 0.0], 5.0, overlays);
     let share = 100.0 * (1.0 - PI / 5.0);
-    let told = share_beyond(&picture);
-    assert!((told - share).abs() < 2.0, "{told} %, not {share} %");
+    let noted = share_beyond(&picture);
+    assert!((noted - share).abs() < 2.0, "{noted} %, not {share} %");
     for (x, _, pixel) in picture.image.enumerate_pixels() {
         if pixel.0[1] < 60 {
             let off = 5.0 * ((f64::from(x) + 0.5) / 64.0 - 1.0).abs() - PI;
@@ -228,14 +228,14 @@ fn a_geodesic_too_long_to_be_drawn_is_drawn_in_part_with_a_note() {
         let source = format!("{SPHERE}geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, {length}];\n");
         draw(&source, [0.0, 0.0], 2.0, Overlays::default())
     };
-    let told = |length: &str| {
+    let noted = |length: &str| {
         let mut notes = drawn(length).notes;
         notes.retain(|note| note.text().contains("`g`"));
         notes
     };
-    assert_eq!(told("100"), []);
-    let [note] = &told("1e9")[..] else {
-        panic!("{:?}", told("1e9"));
+    assert_eq!(noted("100"), []);
+    let [note] = &noted("1e9")[..] else {
+        panic!("{:?}", noted("1e9"));
     };
     assert!(
         note.text().starts_with("`g` is not drawn to its end"),

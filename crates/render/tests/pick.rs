@@ -198,7 +198,7 @@ fn perspective_does_not_bend_a_curves_parameter() {
 }
 
 #[test]
-fn each_instance_is_told_apart() {
+fn each_instance_is_distinguished() {
     let text = "grid k : [0, 3, 4], [0, 1, 2];
         surface s(u, v) = (u + 2 k_1, v + 2 k_2, 0), u : [0, 1, 5], v : [0, 1, 5];
         point p = (2 k_1 + 1.5, 2 k_2 + 1.5, 0);

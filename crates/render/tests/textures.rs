@@ -142,7 +142,7 @@ fn what_is_transparent_shows_white() {
 }
 
 #[test]
-fn the_default_texture_tells_left_from_right_and_up_from_down() {
+fn the_default_texture_distinguishes_left_from_right_and_up_from_down() {
     let texture = Texture::orientation(Proportions::Even, false);
     let level = &texture.levels()[0];
     let [width, height] = level.size.map(|side| side as usize);
@@ -185,10 +185,10 @@ fn files_that_give_no_image_are_refused_by_name() {
     let written = image.write_to(&mut gif, image::ImageFormat::Gif);
     written.expect("a GIF");
     let read = Texture::decode(gif.get_ref(), "a.gif".as_ref(), &TexelBudget::default());
-    let told = read.map(drop).expect_err("refused").to_string();
+    let message = read.map(drop).expect_err("refused").to_string();
     assert!(
-        told.ends_with("is not a PNG or JPEG image that can be read: it is a GIF file"),
-        "{told}"
+        message.ends_with("is not a PNG or JPEG image that can be read: it is a GIF file"),
+        "{message}"
     );
 }
 

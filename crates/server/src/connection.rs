@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn an_input_that_cannot_be_read_is_told_to_the_log() {
+    async fn an_input_that_cannot_be_read_is_written_to_the_log() {
         let input = Broken;
         let (output, mut from_server) = tokio::io::duplex(1 << 12);
         assert!(!crate::serve(input, output, Languages::standard(), None).await);

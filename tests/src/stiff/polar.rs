@@ -207,9 +207,9 @@ fn sheared(shear: f64, against_estimate: bool, options: &Options) -> Measured {
         let error = off(&end, great_circle(start, direction, length));
         if against_estimate {
             // Where it stopped short it says so.
-            let told = end.status != Status::Complete;
+            let is_incomplete = end.status != Status::Complete;
             return Measured {
-                value: if told {
+                value: if is_incomplete {
                     0.0
                 } else {
                     error / end.error_estimate

@@ -62,7 +62,7 @@ async fn a_window_that_was_closed_opens_anew_without_a_word() {
 }
 
 #[tokio::test]
-async fn a_window_that_dies_is_told_of_once_and_the_command_restarts_it() {
+async fn a_window_that_dies_is_reported_once_and_the_command_restarts_it() {
     for place in PLACES {
         let windows = Windows::new(FAKE, false).await;
         let mut editor = started(place, "preview-killed", &windows).await;
@@ -174,7 +174,7 @@ async fn a_window_that_says_nothing_is_ended() {
 }
 
 #[tokio::test]
-async fn what_cannot_be_started_is_told() {
+async fn what_cannot_be_started_is_reported() {
     let mut windows = Windows::new("/no/such/window", false).await;
     windows.program.arguments.clear();
     let mut editor = started(Place::Here, "preview-missing", &windows).await;

@@ -12,7 +12,7 @@ use super::{
 };
 
 #[tokio::test]
-async fn a_window_is_told_the_text_and_every_edit() {
+async fn a_window_receives_the_text_and_every_edit() {
     for place in PLACES {
         let windows = Windows::new(FAKE, false).await;
         let mut editor = started(place, "preview-texts", &windows).await;
@@ -72,7 +72,7 @@ async fn a_window_is_told_the_text_and_every_edit() {
 }
 
 #[tokio::test]
-async fn a_window_that_lacks_a_text_is_told_it_once_more() {
+async fn a_window_that_lacks_a_text_receives_it_once_more() {
     let windows = Windows::new(FAKE, false).await;
     let mut editor = started(Place::Here, "preview-gap", &windows).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
@@ -245,7 +245,7 @@ async fn the_cursor_is_a_place_in_the_bytes_of_the_text() {
 }
 
 #[tokio::test]
-async fn of_many_edits_a_window_that_does_not_read_is_told_the_last() {
+async fn of_many_edits_a_window_that_does_not_read_receives_the_last() {
     const EDITS: i64 = 2_000;
     for place in PLACES {
         let windows = Windows::new(FAKE, true).await;

@@ -69,7 +69,7 @@ pub(super) fn meshed(
         picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.shape_work);
-    let told = || -> Vec<String> {
+    let ray_notes = || -> Vec<String> {
         // Vertices are slightly off curved surfaces: attributes may leave their ranges only there.
         let notes = rays.notes().into_iter();
         // `thin` reports an empty mesh.
@@ -79,11 +79,11 @@ pub(super) fn meshed(
         notes.map(|note| note.to_string()).collect()
     };
     if rays.world().solid_count() == 0 {
-        return (None, told());
+        return (None, ray_notes());
     }
     let name = &object.name;
     let Some(bounds) = rays.world().bounds(0) else {
-        let mut notes = told();
+        let mut notes = ray_notes();
         notes.push(format!(
             "`{name}` has no mesh: no bounding box was found, and it may be unbounded; cut it by intervals, such as \
              `x : [-3, 3]`"
@@ -92,7 +92,7 @@ pub(super) fn meshed(
     };
     let corners = [bounds.lower, bounds.upper].map(|corner| corner.to_array());
     if !bounds.is_empty() && !corners.iter().all(is_held) {
-        let mut notes = told();
+        let mut notes = ray_notes();
         notes.push(format!(
             "`{name}` has no mesh: mesh files have single precision, too little for its coordinates"
         ));
@@ -103,7 +103,7 @@ pub(super) fn meshed(
     let asked = stated.map(|cell| (longest / cell * (1.0 - ROUNDING)).ceil());
     let cells = asked.map_or(fineness.cells, |cells| (cells as u32).clamp(1, MOST_CELLS));
     let Some(found) = contour(rays.world(), 0, &bounds, cells, &fineness.mesh_work) else {
-        let mut notes = told();
+        let mut notes = ray_notes();
         notes.push(format!(
             "`{name}` has no mesh: meshing the solids exceeds the work limit; use fewer solids, or fewer cells"
         ));
@@ -112,7 +112,7 @@ pub(super) fn meshed(
     let mesh = of_contour(&found);
     let colours = colours(&rays, &found, colour);
     // The attributes have been evaluated: it is known where they are undefined.
-    let mut notes = told();
+    let mut notes = ray_notes();
     if let Some(asked) = asked.filter(|asked| *asked > f64::from(MOST_CELLS)) {
         notes.push(format!(
             "`{name}` is meshed with {MOST_CELLS} cells along its longest side, the maximum: its counts request {asked}"

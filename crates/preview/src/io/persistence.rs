@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_file_is_kept_and_told() {
+    fn a_broken_file_is_kept_and_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let program = folder.path().join("a.gtr");
         let beside = place(&program).expect("a name");
@@ -419,7 +419,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_a_later_version_is_kept_and_told() {
+    fn a_file_of_a_later_version_is_kept_and_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let program = folder.path().join("a.gtr");
         let beside = place(&program).expect("a name");

@@ -82,7 +82,7 @@ impl Report {
     }
 
     /// Starts to report the positions of all named controls.
-    pub(crate) fn tell_places(&self, context: &Context) {
+    pub(crate) fn report_places(&self, context: &Context) {
         context.enable_accesskit();
         context.add_plugin(Places {
             lines: Arc::clone(&self.controls),

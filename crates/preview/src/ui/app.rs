@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_system_says_is_told_without_a_place_in_a_source() {
+    fn what_the_system_says_is_reported_without_a_place_in_a_source() {
         let message = "os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
         assert_eq!(in_words(message), "Failed to connect");
         assert_eq!(in_words("no display: none"), "no display: none");

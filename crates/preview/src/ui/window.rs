@@ -142,7 +142,7 @@ impl Window {
     /// Reports the positions of the controls of a screen, if there is a report.
     pub(crate) fn report_from(&self, context: &egui::Context) {
         if let Some(report) = &self.records.report {
-            report.tell_places(context);
+            report.report_places(context);
         }
     }
 

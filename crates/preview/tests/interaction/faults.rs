@@ -3,7 +3,7 @@
 use crate::hand::{Hand, SPHERE};
 
 #[test]
-fn a_file_that_goes_is_told_and_its_text_and_picture_stay() {
+fn a_file_that_goes_is_reported_and_its_text_and_picture_stay() {
     let mut hand = Hand::on(SPHERE);
     std::fs::remove_file(&hand.path).expect("removed");
     hand.until("it is reported", |hand| {
@@ -19,7 +19,7 @@ fn a_file_that_goes_is_told_and_its_text_and_picture_stay() {
 }
 
 #[test]
-fn a_file_that_is_no_text_is_told_and_the_last_one_stays() {
+fn a_file_that_is_no_text_is_reported_and_the_last_one_stays() {
     let mut hand = Hand::on(SPHERE);
     std::fs::write(&hand.path, [0x70, 0xff, 0xfe, 0x00]).expect("written");
     hand.until("it is reported", |hand| hand.shows("it is not UTF-8"));
@@ -31,7 +31,7 @@ fn a_file_that_is_no_text_is_told_and_the_last_one_stays() {
 }
 
 #[test]
-fn what_was_remembered_and_is_broken_is_told_and_kept() {
+fn what_was_remembered_and_is_broken_is_reported_and_kept() {
     let mut hand = Hand::on(SPHERE);
     let beside = hand.path.with_file_name(".program.gtr.geotrace.json");
     hand.settings("Objects");

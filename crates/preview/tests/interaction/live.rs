@@ -318,7 +318,7 @@ fn an_edit_of_one_of_twenty_surfaces_samples_that_one() {
 }
 
 #[test]
-fn the_status_line_tells_what_the_view_in_use_has_cost_and_how_exact_it_is() {
+fn the_status_line_states_what_the_view_in_use_has_cost_and_how_exact_it_is() {
     let mut hand = Hand::on(SPHERE);
     assert!(
         !hand.shows(" ms, frame "),

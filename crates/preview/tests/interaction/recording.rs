@@ -184,7 +184,7 @@ fn a_walk_around_the_sphere_is_recorded_and_comes_back() {
 }
 
 #[test]
-fn a_name_that_is_no_animation_is_not_taken_and_a_folder_that_is_not_there_is_told() {
+fn a_name_that_is_no_animation_is_not_taken_and_a_folder_that_is_not_there_is_reported() {
     let mut hand = Hand::on(SPHERE);
     ask(&mut hand, 3.0, [32.0, 32.0]);
     hand.enter("3d.gif", "/no/such/folder/3d.bmp");

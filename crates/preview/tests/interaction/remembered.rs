@@ -146,7 +146,7 @@ fn the_tab_in_front_is_in_front_when_the_window_is_opened_again() {
 }
 
 #[test]
-fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
+fn a_layout_that_makes_no_sense_is_reported_and_the_view_is_kept() {
     for layout in [r#"42"#, r#"{"row": []}"#, r#"{"pane": {"cellar": 1}}"#] {
         let mut hand = Hand::on(SPHERE);
         hand.settings("Objects");

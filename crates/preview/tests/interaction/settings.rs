@@ -62,7 +62,7 @@ fn the_rows_of_params_stand_in_columns_whatever_their_names_and_values() {
 }
 
 #[test]
-fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_told_to() {
+fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_stopped() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Animate r");
     let pictures = hand.window().counters().pictures;

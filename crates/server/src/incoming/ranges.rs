@@ -78,7 +78,7 @@ pub(super) async fn document_color(
     server
         .ask(&params.text_document.uri, |snapshot| {
             let stated = snapshot.analysis().colours();
-            let stated = stated.iter().map(|colour| to_lsp::color(snapshot, colour));
+            let stated = stated.iter().map(|colour| to_lsp::colour(snapshot, colour));
             stated.collect()
         })
         .await

@@ -313,7 +313,7 @@ mod tests {
     use super::reason;
 
     #[test]
-    fn the_reason_of_an_end_is_the_sentence_that_tells_it() {
+    fn the_reason_of_an_end_is_the_sentence_that_states_it() {
         let reason = |lines: &[&str]| {
             let lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
             reason(lines.iter())

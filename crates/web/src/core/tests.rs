@@ -262,7 +262,7 @@ fn a_camera_that_the_reader_has_not_moved_shows_everything_of_another_text() {
 }
 
 #[test]
-fn only_what_the_core_changes_by_itself_is_told() {
+fn only_what_the_core_changes_by_itself_is_reported() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);
     page.work();

@@ -114,8 +114,8 @@ pub(crate) fn run(input: &[u8]) {
             "answers to {id} of {messages:?}: {responses:?}"
         );
         let answer = answers[0].as_object().expect("an object");
-        let is_told = answer.contains_key("result") || answer["error"]["message"].is_string();
-        assert!(is_told, "{answer:?}");
+        let is_valid = answer.contains_key("result") || answer["error"]["message"].is_string();
+        assert!(is_valid, "{answer:?}");
     }
 }
 
