@@ -177,7 +177,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// See [`RecordError`]; an APNG states its number of pictures at its start.
-    pub fn finish_early(self) -> Result<(), RecordError> {
+    pub(crate) fn finish_early(self) -> Result<(), RecordError> {
         match self.encoder {
             Encoder::Gif(_) => self.end(),
             Encoder::Apng(_) => self.finish(),

@@ -18,7 +18,7 @@ mod solid;
 mod stl;
 mod weld;
 
-pub use solid::{FINE_SOLIDS, LEAST_CELLS, MAX_MESH_WORK, MOST_CELLS, USUAL_CELLS};
+pub use solid::{FINE_SOLIDS, MAX_MESH_WORK, MOST_CELLS, USUAL_CELLS};
 pub use weld::{Mesh, Vertex};
 
 use std::fmt;

@@ -2,7 +2,7 @@
 //! pipe.
 //!
 //! The caller passes the path of a temporary file and renames it when the video is complete. If its [`Video`] is
-//! dropped, or [`end_all`] is called, a running process is killed: nothing writes to the file afterwards.
+//! dropped, or `end_all` is called, a running process is killed: nothing writes to the file afterwards.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -60,7 +60,7 @@ fn running() -> MutexGuard<'static, BTreeMap<u32, Child>> {
 }
 
 /// Kills the processes of all videos.
-pub fn end_all() {
+pub(crate) fn end_all() {
     for (_, mut process) in std::mem::take(&mut *running()) {
         // A process that has already ended cannot be killed.
         let _ = process.kill();

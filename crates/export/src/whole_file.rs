@@ -62,7 +62,7 @@ pub fn write_whole_created(
 ///
 /// # Errors
 /// The system's, and those of `write`; an existing file is unchanged. A device or a pipe is refused.
-pub fn write_whole_at<E: From<io::Error>>(
+pub(crate) fn write_whole_at<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<(), E> {

@@ -93,7 +93,11 @@ impl Bounds {
     }
 
     /// The bounds of some of the objects.
-    pub fn of_some(scene: &Scene, params: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
+    pub(crate) fn of_some(
+        scene: &Scene,
+        params: &ParamValues,
+        counts: impl Fn(ObjectId) -> bool,
+    ) -> Self {
         let wanted: Vec<bool> = (0..)
             .map(ObjectId::new)
             .zip(&scene.objects)

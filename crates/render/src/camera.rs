@@ -162,7 +162,7 @@ impl Camera {
     }
 
     /// Returns the matrix from drawing units to view space.
-    pub fn view_from_world(&self) -> Mat4 {
+    pub(crate) fn view_from_world(&self) -> Mat4 {
         self.view().as_mat4()
     }
 

@@ -64,7 +64,7 @@ impl PictureMethod {
 }
 
 /// Half the period of the hatching of unseen areas, in [`crate::style::pixel_unit`]s.
-pub const HATCH: f32 = 5.0;
+pub(crate) const HATCH: f32 = 5.0;
 /// The radius of the ring around the centre, in [`crate::style::pixel_unit`]s; at least [`LEAST_RING`] pixels.
 pub const RING: f32 = 7.0;
 /// The minimum radius of the ring in pixels.

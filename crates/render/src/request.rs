@@ -238,7 +238,7 @@ impl PictureRequest {
     }
 
     /// Returns the trails on a surface.
-    pub fn trails_on(&self, surface: ObjectId) -> impl Iterator<Item = &Trail> {
+    pub(crate) fn trails_on(&self, surface: ObjectId) -> impl Iterator<Item = &Trail> {
         let trails = self.trails.iter().map(|trail| &**trail);
         trails.filter(move |trail| trail.surface == surface && trail.points.len() > 1)
     }

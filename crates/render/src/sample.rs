@@ -23,10 +23,10 @@ mod surface;
 pub(crate) use sampler::{Resolution, Sampler};
 
 /// A surface's normal that does not exist (at a pole, a crease) is evaluated this fraction of the domain further inside.
-pub const NORMAL_NUDGE: f64 = 1e-4;
+pub(crate) const NORMAL_NUDGE: f64 = 1e-4;
 /// σu and σv, each scaled by its domain's width, count as parallel if |σu×σv| is at most this times the square of the longer
 /// one.
-pub const DEGENERATE: f64 = 1e-7;
+pub(crate) const DEGENERATE: f64 = 1e-7;
 /// Points farther than this from the scene's centre, in drawing units, count as undefined.
 pub const HORIZON: f64 = 1e6;
 
@@ -103,7 +103,7 @@ pub enum Painter {
 
 impl Painter {
     /// Returns the painter of an object in space; `None` for an object that is not drawn there.
-    pub fn for_object(scene: &Scene, object: &Object) -> Option<Self> {
+    pub(crate) fn for_object(scene: &Scene, object: &Object) -> Option<Self> {
         match &object.shape {
             Shape::Point { .. } => Some(Self::Points),
             Shape::Vector { .. } => Some(Self::Vectors),
@@ -362,7 +362,7 @@ pub(crate) fn line_samples(
 }
 
 /// Returns the roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives are too large.
-pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [NodeId; 9])> {
+pub(crate) fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [NodeId; 9])> {
     let (mut graph, roots) = scene.graph.extract(position);
     let du = graph.derivatives(&roots, Input::Variable(0)).ok()?;
     let dv = graph.derivatives(&roots, Input::Variable(1)).ok()?;

@@ -5,9 +5,9 @@
 //!
 //! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and balls: at the
 //! distance r ∈ `[0, 1]` from the glyph's axis the normal leans so that its component towards the eye is √(1−r²), and the
-//! colour is multiplied by [`glyph_light`] of that. Arrowheads are true cones and use the same function with their normals.
+//! colour is multiplied by `glyph_light` of that. Arrowheads are true cones and use the same function with their normals.
 //!
-//! **Surfaces** are lit on both sides: the normal is first turned towards the eye, see [`surface_light`].
+//! **Surfaces** are lit on both sides: the normal is first turned towards the eye, see `surface_light`.
 
 use std::sync::{Arc, LazyLock};
 
@@ -26,13 +26,16 @@ pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
 /// The colours of curves and geodesics in scenes that show curvature: none is close to the blue, white and red of its scale.
 pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [30, 30, 36]];
 /// Points on paper, sRGB.
-pub const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
+pub(crate) const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
 /// Vectors on paper, sRGB, used in the order of their declarations.
-pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[170, 0, 160], DARK_GREEN, BROWN, DARK_BLUE];
+pub(crate) const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 4] =
+    [[170, 0, 160], DARK_GREEN, BROWN, DARK_BLUE];
 /// Curves and geodesics on paper, sRGB, used in the order of their declarations.
-pub const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[200, 0, 20], DARK_BLUE, BROWN, DARK_GREEN];
+pub(crate) const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 4] =
+    [[200, 0, 20], DARK_BLUE, BROWN, DARK_GREEN];
 /// The colours of curves and geodesics on paper in scenes that show curvature.
-pub const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] = [[30, 30, 36], DARK_GREEN, BROWN];
+pub(crate) const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] =
+    [[30, 30, 36], DARK_GREEN, BROWN];
 const DARK_BLUE: [u8; 3] = [0, 90, 200];
 const BROWN: [u8; 3] = [170, 85, 0];
 const DARK_GREEN: [u8; 3] = [0, 120, 65];
@@ -109,38 +112,38 @@ pub(crate) struct Look {
 }
 
 /// Half the width of curves and of the shafts of vectors.
-pub const LINE_HALF_WIDTH: Length = Length {
+pub(crate) const LINE_HALF_WIDTH: Length = Length {
     nominal: 0.0065,
     min_pixels: 0.8,
     max_pixels: 2.6,
 };
 /// The radius of points.
-pub const POINT_RADIUS: Length = Length {
+pub(crate) const POINT_RADIUS: Length = Length {
     nominal: 0.021,
     min_pixels: 2.4,
     max_pixels: 8.0,
 };
 /// The minimum half width of a line in true pixels, whatever the picture's size.
-pub const LEAST_HALF_WIDTH: f32 = 0.6;
+pub(crate) const LEAST_HALF_WIDTH: f32 = 0.6;
 /// The minimum radius of a point in true pixels.
-pub const LEAST_POINT_RADIUS: f32 = 1.2;
+pub(crate) const LEAST_POINT_RADIUS: f32 = 1.2;
 /// The length of an arrowhead, in half widths of its shaft.
-pub const HEAD_LENGTH: f32 = 11.0;
+pub(crate) const HEAD_LENGTH: f32 = 11.0;
 /// The radius of an arrowhead, in half widths of its shaft.
-pub const HEAD_RADIUS: f32 = 4.1;
+pub(crate) const HEAD_RADIUS: f32 = 4.1;
 /// The maximum fraction of a vector's length for its arrowhead; for shorter vectors, head and shaft are scaled down.
-pub const HEAD_SHARE: f32 = 0.45;
+pub(crate) const HEAD_SHARE: f32 = 0.45;
 /// Sides of an arrowhead's cone.
-pub const HEAD_SEGMENTS: u32 = 16;
+pub(crate) const HEAD_SEGMENTS: u32 = 16;
 /// The number of corners of the polygon that represents a point's disc.
-pub const POINT_SEGMENTS: u32 = 24;
+pub(crate) const POINT_SEGMENTS: u32 = 24;
 /// Corners of the polygon that rounds a curve's joins and ends.
-pub const JOIN_SEGMENTS: u32 = 12;
+pub(crate) const JOIN_SEGMENTS: u32 = 12;
 /// Glyphs are moved towards the eye by this multiple of their half widths (or radii), so that a curve on a surface is
 /// entirely visible.
-pub const GLYPH_LIFT: f32 = 1.6;
+pub(crate) const GLYPH_LIFT: f32 = 1.6;
 /// The same for joins: less than for the strips that they join, so that they fill only the gap between them.
-pub const JOIN_LIFT: f32 = 1.4;
+pub(crate) const JOIN_LIFT: f32 = 1.4;
 
 /// The field of view along the picture's shorter side, in radians.
 pub const FIELD_OF_VIEW: f64 = 0.6;
@@ -152,19 +155,19 @@ pub const ELEVATION: f64 = 0.45;
 pub const MARGIN: f64 = 0.08;
 
 /// The fraction of its colour that a glyph keeps at its rim.
-pub const GLYPH_RIM: f32 = 0.42;
+pub(crate) const GLYPH_RIM: f32 = 0.42;
 /// The strength of the ambient light.
-pub const AMBIENT: f32 = 0.20;
+pub(crate) const AMBIENT: f32 = 0.20;
 /// The strength of the light from the eye.
-pub const FILL: f32 = 0.32;
+pub(crate) const FILL: f32 = 0.32;
 /// The strength of the light from above the eye's left shoulder.
-pub const KEY: f32 = 0.50;
+pub(crate) const KEY: f32 = 0.50;
 /// The direction of the key light, in view space (x right, y up, z towards the eye); a unit vector.
-pub const KEY_DIRECTION: [f32; 3] = [-0.4, 0.56, 0.725_534_3];
+pub(crate) const KEY_DIRECTION: [f32; 3] = [-0.4, 0.56, 0.725_534_3];
 /// The strength of the highlight, white, added to the lit colour.
-pub const HIGHLIGHT: f32 = 0.07;
+pub(crate) const HIGHLIGHT: f32 = 0.07;
 /// The exponent of the highlight (Blinn).
-pub const HIGHLIGHT_POWER: i32 = 40;
+pub(crate) const HIGHLIGHT_POWER: i32 = 40;
 
 /// Returns the sizes of points, arrows and curves for rays, in a scene whose drawing unit has the length `radius`.
 pub fn thickness(radius: f64) -> geometry::solids::Thickness {
@@ -206,14 +209,14 @@ impl Length {
 
 /// Returns the light on a glyph whose normal has the component `facing` ∈ `[0, 1]` towards the eye.
 #[inline(always)]
-pub fn glyph_light(facing: f32) -> f32 {
+pub(crate) fn glyph_light(facing: f32) -> f32 {
     GLYPH_RIM + (1.0 - GLYPH_RIM) * facing.clamp(0.0, 1.0)
 }
 
 /// Returns the light on a surface: (factor of its colour, white added to it). `normal` and `to_eye` are unit vectors in view
 /// space, the normal on the eye's side.
 #[inline(always)]
-pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
+pub(crate) fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
     let normal = glam::Vec3::from(normal);
     let to_eye = glam::Vec3::from(to_eye);
     let key = glam::Vec3::from(KEY_DIRECTION);
@@ -240,7 +243,7 @@ fn power(mut x: f32, mut exponent: i32) -> f32 {
 
 /// Returns a colour in linear light with a fraction of [`EMPHASIS_COLOUR`] mixed in.
 #[inline(always)]
-pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
+pub(crate) fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
     if share == 0.0 {
         return colour;
     }

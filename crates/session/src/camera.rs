@@ -158,7 +158,7 @@ impl SpaceCamera {
     /// Returns the camera moved in the picture's plane, in fractions of the distance to its target: the picture follows
     /// `by`.
     #[must_use]
-    pub fn panned(self, by: DVec2) -> Self {
+    pub(crate) fn panned(self, by: DVec2) -> Self {
         let step = self.in_plane(-by);
         self.with(
             DVec3::from(self.eye) + step,

@@ -332,7 +332,7 @@ impl Editing {
     }
 
     /// Returns the texts that state another colour in place of the one in a range.
-    pub fn colour_texts(&self, range: Utf16Range, rgb: [u8; 3]) -> Value {
+    pub(crate) fn colour_texts(&self, range: Utf16Range, rgb: [u8; 3]) -> Value {
         let rgb = rgb.map(|part| f64::from(part) / 255.0);
         json!(self.analysis().colour_texts(self.source.span(range), rgb))
     }
@@ -368,7 +368,7 @@ impl Editing {
     ///
     /// # Errors
     /// The sentence that says why it is not written.
-    pub fn write_colour(&self, object: &str, rgb: [u8; 3]) -> Result<Value, String> {
+    pub(crate) fn write_colour(&self, object: &str, rgb: [u8; 3]) -> Result<Value, String> {
         let rgb = rgb.map(|part| f64::from(part) / 255.0);
         let edit = self.analysis().edit_colour(object, rgb);
         Ok(json!(

@@ -13,7 +13,7 @@ use super::weld::{Mesh, Vertex, is_held};
 /// The maximum number of cells along the longest side of the box of a solid whose intervals specify no counts.
 pub const USUAL_CELLS: u32 = 128;
 /// The minimum number.
-pub const LEAST_CELLS: u32 = 8;
+const LEAST_CELLS: u32 = 8;
 /// The maximum number of cells along the longest side if intervals specify counts. The corners of a grid of this size
 /// take 128 MB, and a solid that fills its box has some three million triangles.
 pub const MOST_CELLS: u32 = 512;

@@ -123,7 +123,7 @@ impl Mesh {
     }
 
     /// Returns the unit normal of a triangle; zero if it has none.
-    pub fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
+    pub(crate) fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
         let [a, b, c] = self.corners(triangle).map(DVec3::from);
         let scale = (b - a).abs().max((c - a).abs()).max_element();
         let normal = ((b - a) / scale).cross((c - a) / scale);
