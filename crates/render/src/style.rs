@@ -82,7 +82,7 @@ pub struct Length {
 pub struct LineStyle {
     /// The factor of its widths, and of a point's radius.
     pub width: f32,
-    /// The distance by which it is moved towards the eye beyond [`GLYPH_LIFT`], in half widths: of coincident lines, the one
+    /// The distance by which it is moved towards the eye beyond `GLYPH_LIFT`, in half widths: of coincident lines, the one
     /// with the largest lift is visible.
     pub lift: f32,
 }
