@@ -46,8 +46,8 @@ use crate::gpu::pipelines::PipelineFactory;
 use crate::placement::Placement;
 use crate::sample::Samples;
 
-/// Computes the samples of an object by its generated kernel, for comparison with [`crate::sample::sample`]. Returns `None`
-/// if its expressions are too large for a shader.
+/// Computes the samples of an object by its generated kernel: for tests, which compare them with those of
+/// [`crate::sample::sample`]. Returns `None` if its expressions are too large for a shader.
 ///
 /// # Errors
 /// [`RenderError::NoGpu`], [`RenderError::Gpu`], [`RenderError::Internal`].
