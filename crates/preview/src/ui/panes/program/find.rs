@@ -209,7 +209,7 @@ fn replace_row(
     let one = ui.add_enabled(any, egui::Button::new("Replace").small());
     let all = ui.add_enabled(any, egui::Button::new("Replace all").small());
     let replaced = if all.clicked() {
-        &places[..]
+        places
     } else if one.clicked() {
         &places[find.current..=find.current]
     } else {
