@@ -20,6 +20,7 @@ pub(crate) use store::{SolidScene, SolidStore, TracedScene, notes};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DVec3, Vec3};
+use tracer::camera::SampleAxes;
 use tracer::shade::Face;
 use tracer::{BoundingBox, Caster, Crossing, Ray, World};
 
@@ -50,6 +51,13 @@ const DEPTH_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 const PLACE_ROUNDING: f64 = 1.0 / 128.0;
 /// The maximum fraction of its depth by which a face is moved away, so that one that is seen at a grazing angle stays.
 const MOST_BEHIND: f64 = 0.5;
+
+/// The number of places in a pixel whose mean colour it has, where those of its samples differ by more than [`DIFFERENT`]: as
+/// in the traced view, and at the same places.
+const PLACES: u32 = 16;
+const DIFFERENT: f64 = 1.0 / 64.0;
+/// A face's tangent plane stands for the face up to this change of distance, as a fraction of the distance.
+const MOST_ALONG: f64 = 0.5;
 
 /// The solid that a sample sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -237,12 +245,42 @@ impl<'a> SolidPainter<'a> {
         let (diffuse, white) = style::surface_light(view, self.to_eye(place));
         let tint = self.tints.get(hit.crossing.solid);
         let factor = tint.map_or([1.0; 3], |tint| tint.colour);
-        let colour = look.colour.clamp(DVec3::ZERO, DVec3::ONE).to_array();
+        // A single sample at an edge is one of the four whose mean is taken.
+        let colour = match self.is_smooth && offsets.len() > 1 {
+            true => self.mean_colour(&face, place, offsets),
+            false => look.colour.clamp(DVec3::ZERO, DVec3::ONE),
+        };
+        let colour = colour.to_array();
         let light = [0, 1, 2].map(|k| colour[k] as f32 * factor[k] * diffuse + white);
         SolidSample {
             depth: self.depth_behind(hit, place, offsets),
             light: style::emphasised(light, tint.map_or(0.0, |tint| tint.emphasis)),
         }
+    }
+
+    /// Returns the mean linear colour of a face in a pixel: over samples at offsets from a position in the picture, and over
+    /// more places if their colours differ. The face is taken as its tangent plane.
+    fn mean_colour(&self, face: &Face, place: [f64; 2], offsets: &[[f64; 2]]) -> DVec3 {
+        let colour = |offset: &[f64; 2]| {
+            let ray = ray(self.camera, [0, 1].map(|k| place[k] + offset[k]));
+            let t = face.normal.dot(face.position - ray.origin) / face.normal.dot(ray.direction);
+            let is_near = (t - face.t).abs() <= MOST_ALONG * face.t;
+            let position = match is_near {
+                true => ray.origin + t * ray.direction,
+                false => face.position,
+            };
+            let look = self.scene.look(&Face { position, ..*face });
+            look.color.clamp(DVec3::ZERO, DVec3::ONE)
+        };
+        let mean = |colours: &[DVec3]| colours.iter().sum::<DVec3>() / colours.len() as f64;
+        let samples: Vec<DVec3> = offsets.iter().map(colour).collect();
+        let differs = |it: &DVec3| (*it - samples[0]).abs().max_element() > DIFFERENT;
+        if !samples.iter().any(differs) {
+            return mean(&samples);
+        }
+        let sample = |k: u32| SampleAxes::default().sample([0; 2], k).pixel;
+        let places = (0..PLACES).map(|k| sample(k).map(|at| at - 0.5));
+        mean(&places.map(|offset| colour(&offset)).collect::<Vec<_>>())
     }
 
     /// Returns the least depth of a face's tangent plane in samples at offsets from a position in the picture, in pixels, less

@@ -267,6 +267,25 @@ fn a_surface_in_the_face_of_a_solid_is_seen_from_any_distance() {
 }
 
 #[test]
+fn a_pattern_finer_than_pixels_has_its_mean_colour() {
+    let text = "solid floor(x, y, z) = z, z : [-1, 0], x : [-40, 40], y : [-40, 40],
+        color : 0.5 + 0.45 sin(6x) sin(6y);";
+    let scene = scene::geotrace::compile(text).scene.expect("no errors");
+    let options = SpaceOptions::seen_from([0.0, -38.0, 2.0], [0.0; 3]);
+    let picture = drawn(&mut Renderer::software(), &request(scene, options));
+    keep("floor", &picture);
+    // Rows of the middle of the floor, where a pixel has about one period across and many along.
+    let row = SIZE[1] / 2;
+    let bytes: Vec<f64> = (0..SIZE[0])
+        .map(|x| f64::from(picture.get_pixel(x, row).0[1]))
+        .collect();
+    let mean = bytes.iter().sum::<f64>() / bytes.len() as f64;
+    let squares = bytes.iter().map(|byte| (byte - mean).powi(2));
+    let deviation = (squares.sum::<f64>() / bytes.len() as f64).sqrt();
+    assert!(deviation < 20.0, "{deviation} about {mean}");
+}
+
+#[test]
 fn what_lies_behind_a_solid_is_hidden_and_what_lies_before_it_is_seen() {
     let text = "point near = (0, -2, 0); point far = (0, 2, 0);";
     let eye = SpaceOptions::seen_from([0.0, -9.0, 0.0], [0.0; 3]);
