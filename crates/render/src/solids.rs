@@ -270,7 +270,7 @@ impl<'a> SolidPainter<'a> {
                 false => face.position,
             };
             let look = self.scene.look(&Face { position, ..*face });
-            look.color.clamp(DVec3::ZERO, DVec3::ONE)
+            look.colour.clamp(DVec3::ZERO, DVec3::ONE)
         };
         let mean = |colours: &[DVec3]| colours.iter().sum::<DVec3>() / colours.len() as f64;
         let samples: Vec<DVec3> = offsets.iter().map(colour).collect();
