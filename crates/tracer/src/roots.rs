@@ -86,6 +86,11 @@ impl<const MOST: usize> SignChanges<MOST> {
         self.inside_first != (before % 2 == 1)
     }
 
+    /// Returns true if the polynomial is not positive after the last point.
+    fn inside_last(&self) -> bool {
+        self.inside_first != (self.count % 2 == 1)
+    }
+
     /// Replaces the points by others in the same order.
     pub(crate) fn map(&mut self, f: impl Fn(f64) -> f64) {
         for place in &mut self.places[..self.count] {
@@ -126,24 +131,33 @@ impl SignChanges {
         if degree <= 2 {
             return Self::of_quadratic([p[0], p[1], p[2]]);
         }
+        let [mut above, mut below] = [[0.0; LARGEST_DEGREE + 1]; 2];
+        for k in 0..=degree {
+            above[k] = p[degree - k];
+            below[k] = if k % 2 == 0 { above[k] } else { -above[k] };
+        }
+        // Beyond `FAR` the variable is the reciprocal, and before −`FAR` its opposite, so that infinity is at 0, where the
+        // leading coefficient is the value without rounding.
+        let below = Self::between(&below, 0.0, 1.0 / FAR);
+        let near = Self::between(p, -FAR, FAR);
+        let above = Self::between(&above, 0.0, 1.0 / FAR);
         let mut changes = Self {
-            inside_first: (p[degree] > 0.0) == (degree % 2 == 1),
+            inside_first: below.inside_first != (degree % 2 == 1),
             ..Self::default()
         };
-        let mut reversed = [0.0; LARGEST_DEGREE + 1];
-        for k in 0..=degree {
-            reversed[k] = p[degree - k];
+        for &u in below.places() {
+            changes.push(-1.0 / u);
         }
-        // Both are at infinity: the reciprocal's interval ends at 0, where the sign is that of the leading coefficient.
-        let below = Self::between(&reversed, -1.0 / FAR, 0.0);
-        for &u in below.places().iter().rev() {
-            changes.push(1.0 / u);
+        // Rounding may move a change at a common end of two parts to either side.
+        if changes.inside_last() != near.inside_first {
+            changes.push(-FAR);
         }
-        let near = Self::between(p, -FAR, FAR);
         for &s in near.places() {
             changes.push(s);
         }
-        let above = Self::between(&reversed, 0.0, 1.0 / FAR);
+        if changes.inside_last() != above.inside_last() {
+            changes.push(FAR);
+        }
         for &u in above.places().iter().rev() {
             changes.push(1.0 / u);
         }
@@ -386,4 +400,55 @@ fn root(
         }
     }
     s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Double roots, and leading coefficients that are nothing but rounding.
+    #[test]
+    fn the_signs_between_changes_are_those_of_the_values() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for case in 0..20_000 {
+            let a = match case % 3 {
+                0 => 1.0,
+                _ => (6.0 * random()).exp2() / 8.0,
+            };
+            let scale = [-1.0, 1.0][case % 2] * (0.1 + 2.0 * random());
+            // scale·(t² − a²)², and with every other one the factor t − b.
+            let mut p: Coefficients = [0.0; LARGEST_DEGREE + 1];
+            (p[0], p[2], p[4]) = (scale * a.powi(4), -2.0 * scale * a * a, scale);
+            if case % 4 < 2 {
+                let b = 8.0 * random() - 4.0;
+                for k in (0..=5).rev() {
+                    p[k] = p[k.max(1) - 1] * f64::from(k > 0) - b * p[k];
+                }
+            }
+            for coefficient in &mut p[..7] {
+                if random() < 0.5 {
+                    *coefficient += (random() - 0.5) * 4e-16;
+                }
+            }
+            let changes = SignChanges::everywhere(&p);
+            let places = changes.places();
+            assert!(places.is_sorted(), "{p:?}: {places:?}");
+            let sizes = p.map(f64::abs);
+            for t in [
+                -1e4, -30.0, -5.0, -1.5, -0.7, 0.0, 0.1, 0.99, 1.01, 2.5, 10.0, 1e4,
+            ] {
+                let [at, size] = [value(&p, 6, t), value(&sizes, 6, f64::abs(t))];
+                if at.abs() > 1e-13 * size {
+                    let inside = changes.inside_after(t);
+                    assert_eq!(inside, at <= 0.0, "{p:?} at {t}: {places:?}");
+                }
+            }
+        }
+    }
 }
