@@ -21,6 +21,9 @@ use crate::animation::Clip;
 /// The program that makes videos.
 pub const PROGRAM: &str = "ffmpeg";
 
+/// The maximum length of a message of `ffmpeg` that is shown, in characters.
+const MOST_SHOWN: usize = 500;
+
 /// A format of videos.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum VideoFormat {
@@ -233,7 +236,9 @@ impl Video {
         let messages = self.messages.take().and_then(|thread| thread.join().ok());
         let messages = messages.unwrap_or_default();
         let last = messages.lines().rev().find(|line| !line.trim().is_empty());
-        VideoError::Refused(last.unwrap_or("it reported no reason").trim().to_owned())
+        let last = last.unwrap_or("it reported no reason").trim();
+        let shown = last.chars().filter(|letter| !letter.is_control());
+        VideoError::Refused(shown.take(MOST_SHOWN).collect())
     }
 
     fn end(&mut self) {

@@ -138,7 +138,10 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
         }
         Err(error) => return Err(TargetError::System(error)),
     }
-    temporary_beside(&resolved(path), create_new)
+    let target = resolved(path);
+    // An interruption waits until the file is removed.
+    let _all = temporaries();
+    temporary_beside(&target, create_new)
         .and_then(NamedTempFile::close)
         .map_err(TargetError::System)
 }

@@ -73,7 +73,8 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         let end = (body + length).min(self.buffer.len());
         let content = &self.buffer[body..end];
         if end == body + length {
-            if let Some(frame) = message(content) {
+            let whole = || message(&without_lone_surrogates(content)?);
+            if let Some(frame) = message(content).or_else(whole) {
                 self.used = end;
                 return Some(frame);
             }
@@ -203,6 +204,34 @@ pub(crate) fn message(body: &[u8]) -> Option<Frame> {
     }
 }
 
+/// Replaces escapes of lone UTF-16 surrogates in a body by that of U+FFFD; `None` if there are none. An editor whose text is
+/// UTF-16 sends them, but they denote no character. All lengths in UTF-16 units remain the same.
+fn without_lone_surrogates(body: &[u8]) -> Option<Vec<u8>> {
+    let unit = |at: usize| {
+        let digits = body.get(at..at + 6)?.strip_prefix(b"\\u")?;
+        u16::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()
+    };
+    let mut replaced = None;
+    let mut at = 0;
+    while let Some(next) = body[at..].iter().position(|byte| *byte == b'\\') {
+        at += next;
+        at += match (unit(at), unit(at + 6)) {
+            (Some(0xD800..0xDC00), Some(0xDC00..0xE000)) => 12,
+            (Some(0xD800..0xE000), _) => {
+                let bytes = replaced.get_or_insert_with(|| body.to_vec());
+                bytes[at..at + 6].copy_from_slice(b"\\ufffd");
+                6
+            }
+            // The escaped character, perhaps another backslash, begins no escape.
+            _ => 2,
+        };
+        if at >= body.len() {
+            break;
+        }
+    }
+    replaced
+}
+
 fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
     bytes
         .windows(wanted.len())
@@ -297,6 +326,25 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[tokio::test]
+    async fn a_lone_surrogate_is_a_replacement_character() {
+        for (text, expected) in [
+            (r"\ud83d", "\u{FFFD}"),
+            (r"a\uDE00b\ud83d", "a\u{FFFD}b\u{FFFD}"),
+            (r"\ud83d\ud83d\ude00", "\u{FFFD}\u{1F600}"),
+            (r"\\\ud83d\\", "\\\u{FFFD}\\"),
+            (r"\\ud83d\ud83d", "\\ud83d\u{FFFD}"),
+        ] {
+            let body = format!(r#"{{"jsonrpc":"2.0","method":"b","params":{{"text":"{text}"}}}}"#);
+            let frames = read(&framed(body.as_bytes())).await;
+            let [Frame::Request(request)] = &frames[..] else {
+                panic!("{text}: {frames:?}");
+            };
+            let params = serde_json::to_value(request.params()).expect("JSON");
+            assert_eq!(params["text"], expected, "{text}");
         }
     }
 

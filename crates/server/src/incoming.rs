@@ -57,14 +57,20 @@ pub(crate) struct Backend {
 /// Adds the methods that answer with text to the protocol's methods.
 pub(crate) fn with_texts(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
     builder
+        .custom_method(raw_responses::CODE_ACTION, ranges::code_action)
         .custom_method(raw_responses::CODE_LENS, ranges::code_lens)
         .custom_method(raw_responses::COMPLETION, places::completion)
         .custom_method(raw_responses::DIAGNOSTIC, documents::diagnostic)
+        .custom_method(
+            raw_responses::DOCUMENT_HIGHLIGHT,
+            places::document_highlight,
+        )
         .custom_method(raw_responses::DOCUMENT_SYMBOL, ranges::document_symbol)
         .custom_method(raw_responses::FOLDING_RANGE, ranges::folding_range)
         .custom_method(raw_responses::FORMATTING, ranges::formatting)
         .custom_method(raw_responses::INLAY_HINT, ranges::inlay_hint)
         .custom_method(raw_responses::REFERENCES, places::references)
+        .custom_method(raw_responses::RENAME, places::rename)
         .custom_method(raw_responses::SYMBOL, workspace::symbol)
         .custom_method(raw_responses::TOKENS, ranges::semantic_tokens_full)
         .custom_method(
@@ -144,11 +150,8 @@ impl LanguageServer for Backend {
         places::completion_resolve(lsp::CompletionItem) -> Result<lsp::CompletionItem>;
         places::signature_help(lsp::SignatureHelpParams) -> Result<Option<lsp::SignatureHelp>>;
         places::goto_definition(lsp::GotoDefinitionParams) -> Result<Option<lsp::GotoDefinitionResponse>>;
-        places::document_highlight(lsp::DocumentHighlightParams) -> Result<Option<Vec<lsp::DocumentHighlight>>>;
         places::prepare_rename(lsp::TextDocumentPositionParams) -> Result<Option<lsp::PrepareRenameResponse>>;
-        places::rename(lsp::RenameParams) -> Result<Option<lsp::WorkspaceEdit>>;
         places::selection_range(lsp::SelectionRangeParams) -> Result<Option<Vec<lsp::SelectionRange>>>;
-        ranges::code_action(lsp::CodeActionParams) -> Result<Option<lsp::CodeActionResponse>>;
         ranges::document_link(lsp::DocumentLinkParams) -> Result<Option<Vec<lsp::DocumentLink>>>;
         ranges::document_color(lsp::DocumentColorParams) -> Result<Vec<lsp::ColorInformation>>;
         ranges::color_presentation(lsp::ColorPresentationParams) -> Result<Vec<lsp::ColorPresentation>>;

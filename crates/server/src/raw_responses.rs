@@ -33,13 +33,16 @@ macro_rules! methods {
 
 methods! {
     CODE_LENS = "textDocument/codeLens";
+    CODE_ACTION = "textDocument/codeAction";
     COMPLETION = "textDocument/completion";
     DIAGNOSTIC = "textDocument/diagnostic";
+    DOCUMENT_HIGHLIGHT = "textDocument/documentHighlight";
     DOCUMENT_SYMBOL = "textDocument/documentSymbol";
     FOLDING_RANGE = "textDocument/foldingRange";
     FORMATTING = "textDocument/formatting";
     INLAY_HINT = "textDocument/inlayHint";
     REFERENCES = "textDocument/references";
+    RENAME = "textDocument/rename";
     SYMBOL = "workspace/symbol";
     TOKENS = "textDocument/semanticTokens/full";
     TOKENS_DELTA = "textDocument/semanticTokens/full/delta";
@@ -69,6 +72,23 @@ pub(crate) fn answer(value: &impl Serialize) -> Result<Answer> {
     serde_json::to_string(value)
         .map(Answer)
         .map_err(|_| Error::internal_error())
+}
+
+/// Returns the body of a notification.
+pub(crate) fn notification(method: &str, params: &impl Serialize) -> Vec<u8> {
+    #[derive(Serialize)]
+    struct Notification<'a, P> {
+        jsonrpc: &'static str,
+        method: &'a str,
+        params: &'a P,
+    }
+    let notification = Notification {
+        jsonrpc: "2.0",
+        method,
+        params,
+    };
+    // All types of the protocol can be serialised.
+    serde_json::to_vec(&notification).unwrap_or_default()
 }
 
 /// A whole message, without its header.

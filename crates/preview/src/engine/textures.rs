@@ -104,6 +104,23 @@ impl Drop for ReaderThread {
     }
 }
 
+impl ImageFiles {
+    /// Returns true if an image exists and is not below the folder of the program.
+    fn is_outside(&self, path: &Path) -> bool {
+        let (Some(folder), Ok(path)) = (&self.folder, path.canonicalize()) else {
+            return false;
+        };
+        // The folder of a bare file name is empty.
+        let folder = match folder.as_os_str().is_empty() {
+            true => Path::new("."),
+            false => folder,
+        };
+        !folder
+            .canonicalize()
+            .is_ok_and(|folder| path.starts_with(folder))
+    }
+}
+
 impl ImageSource for ImageFiles {
     fn file_of(&self, word: &str) -> Option<PathBuf> {
         let folders = self.folder.as_slice();
@@ -118,12 +135,7 @@ impl ImageSource for ImageFiles {
 
     /// Reads an image if it can be trusted; otherwise returns that it is not opened.
     fn read(&mut self, path: &Path) -> ImageState {
-        let inside = self.folder.as_deref().and_then(|folder| {
-            let folder = folder.canonicalize().ok()?;
-            Some(path.canonicalize().ok()?.starts_with(folder))
-        });
-        // If the file is missing, reading reports that.
-        if inside != Some(false) || self.opened.contains(path) {
+        if !self.is_outside(path) || self.opened.contains(path) {
             return self.begin(path.to_owned());
         }
         let path = path.to_owned();
@@ -192,18 +204,25 @@ mod tests {
         for path in [&own, &other] {
             image::RgbaImage::new(2, 2).save(path).expect("written");
         }
-        let library = || {
+        let library_of = |folder: &Path| {
             let (sender, events) = EventSender::new(egui::Context::default());
             let mut library = Library::new(ImageFiles::new(sender));
-            library.source.folder = Some(program.clone());
+            library.source.folder = Some(folder.to_owned());
             library.source.opened = PathList::images(&state);
             (library, events)
         };
+        let library = || library_of(&program);
         let (mut first, events) = library();
         assert_eq!(trouble(&mut first, &events, &own), None);
         // Dots lead out of the folder as well.
         for path in [&other, &program.join("../elsewhere/other.png")] {
             let sentence = trouble(&mut first, &events, path).expect("a sentence");
+            assert!(sentence.contains("Open textures"), "{sentence}");
+        }
+        // The folder of a bare file name, and one that has vanished.
+        for folder in ["", "vanished"] {
+            let (mut bare, events) = library_of(Path::new(folder));
+            let sentence = trouble(&mut bare, &events, &other).expect("a sentence");
             assert!(sentence.contains("Open textures"), "{sentence}");
         }
         open(&mut first, other.clone());

@@ -200,7 +200,10 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     };
     let text = serde_json::to_vec_pretty(&remembered).map_err(|error| error.to_string())?;
     let written = write_whole_created(&place, crate::platform::create_hidden, &text);
-    written.map_err(|error| format!("the view cannot be saved (`{}`: {error})", place.display()))
+    written.map_err(|error| {
+        let reason = phrase(&error.to_string());
+        format!("the view cannot be saved (`{}`: {reason})", place.display())
+    })
 }
 
 /// The time for which a view must stay unchanged before it is written.

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
+use tower_lsp::ls_types::notification::Notification as _;
 
 use super::work::{failed, not_open};
 use super::{Backend, places, window};
 use crate::documents::{ContentChange, Open, Snapshot};
-use crate::raw_responses::{Answer, answer};
+use crate::raw_responses::{Answer, RawSender, answer, notification};
 use crate::tasks;
 use crate::to_lsp;
 
@@ -89,10 +90,7 @@ pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumen
         window::close_later(&server.session, &uri, left);
     }
     let _turn = server.publishing.lock().await;
-    server
-        .client
-        .publish_diagnostics(uri, Vec::new(), None)
-        .await;
+    push(&server.raw_sender, uri, Vec::new(), None).await;
 }
 
 pub(super) async fn diagnostic(
@@ -109,11 +107,11 @@ pub(super) async fn diagnostic(
     };
     if first {
         // Diagnostics that were pushed are withdrawn: otherwise the editor would show them twice.
-        let (client, uri) = (server.client.clone(), uri.clone());
+        let (raw_sender, uri) = (server.raw_sender.clone(), uri.clone());
         let publishing = server.publishing.clone();
         tasks::spawn(async move {
             let _turn = publishing.lock().await;
-            client.publish_diagnostics(uri, Vec::new(), None).await;
+            push(&raw_sender, uri, Vec::new(), None).await;
         });
     }
     let (revision, snapshot, known, related) = {
@@ -230,9 +228,7 @@ impl Backend {
         if is_wanted {
             let found = findings.found.clone();
             let version = Some(findings.version);
-            self.client
-                .publish_diagnostics(uri.clone(), found, version)
-                .await;
+            push(&self.raw_sender, uri.clone(), found, version).await;
         }
     }
 
@@ -243,4 +239,17 @@ impl Backend {
             .show_message(lsp::MessageType::ERROR, message)
             .await;
     }
+}
+
+/// Sends the diagnostics of a document to the editor. They are large, so they bypass the protocol's tree of JSON values.
+async fn push(
+    raw_sender: &RawSender,
+    uri: lsp::Uri,
+    diagnostics: Vec<lsp::Diagnostic>,
+    version: Option<i32>,
+) {
+    let params = lsp::PublishDiagnosticsParams::new(uri, diagnostics, version);
+    let body = notification(lsp::notification::PublishDiagnostics::METHOD, &params);
+    drop(params);
+    raw_sender.send_when_room(body).await;
 }

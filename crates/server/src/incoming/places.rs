@@ -6,7 +6,7 @@ use tower_lsp::ls_types as lsp;
 use super::work::failed;
 use super::{Backend, place};
 use crate::documents::Open;
-use crate::raw_responses::Answer;
+use crate::raw_responses::{Answer, answer};
 use crate::to_lsp;
 
 /// The protocol's code for a request that failed for a reason that the user should see.
@@ -116,12 +116,12 @@ pub(super) async fn references(server: &Backend, params: lsp::ReferenceParams) -
 pub(super) async fn document_highlight(
     server: &Backend,
     params: lsp::DocumentHighlightParams,
-) -> Result<Option<Vec<lsp::DocumentHighlight>>> {
+) -> Result<Answer> {
     let at = params.text_document_position_params;
     // Editors request this at the cursor.
     server.point_at(&at);
     server
-        .ask(&at.text_document.uri, move |snapshot| {
+        .answer(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = snapshot.analysis().occurrences(offset).into_iter();
             let highlights = found.map(|occurrence| lsp::DocumentHighlight {
@@ -132,7 +132,7 @@ pub(super) async fn document_highlight(
                     lsp::DocumentHighlightKind::READ
                 }),
             });
-            Some(highlights.collect())
+            highlights.collect::<Vec<_>>()
         })
         .await
 }
@@ -159,10 +159,7 @@ pub(super) async fn prepare_rename(
         .await?
 }
 
-pub(super) async fn rename(
-    server: &Backend,
-    params: lsp::RenameParams,
-) -> Result<Option<lsp::WorkspaceEdit>> {
+pub(super) async fn rename(server: &Backend, params: lsp::RenameParams) -> Result<Answer> {
     let at = params.text_document_position;
     let uri = at.text_document.uri;
     let versioned = server.session().editor.versioned_edits;
@@ -175,9 +172,7 @@ pub(super) async fn rename(
                 .map_err(|error| {
                     failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
                 })?;
-            Ok(Some(to_lsp::workspace_edit(
-                snapshot, &uri, &edits, versioned,
-            )))
+            answer(&to_lsp::workspace_edit(snapshot, &uri, &edits, versioned))
         })
         .await?
 }

@@ -216,10 +216,7 @@ pub(super) async fn code_lens(server: &Backend, params: lsp::CodeLensParams) -> 
         .await
 }
 
-pub(super) async fn code_action(
-    server: &Backend,
-    params: lsp::CodeActionParams,
-) -> Result<Option<lsp::CodeActionResponse>> {
+pub(super) async fn code_action(server: &Backend, params: lsp::CodeActionParams) -> Result<Answer> {
     let editor = server.session().editor;
     let versioned = editor.versioned_edits;
     let uri = params.text_document.uri;
@@ -243,10 +240,10 @@ pub(super) async fn code_action(
     let converts = admits(to_lsp::CONVERT) && editor.applies_edits && editor.creates_files;
     let unrestricted = only.is_none();
     if !one && !all && !converts {
-        return Ok(Some(Vec::new()));
+        return answer(&[(); 0]);
     }
     server
-        .ask(&uri.clone(), move |snapshot| {
+        .answer(&uri.clone(), move |snapshot| {
             let analysis = snapshot.analysis();
             let mut actions = Vec::new();
             if one {
@@ -269,7 +266,7 @@ pub(super) async fn code_action(
             if converts && analysis.conversion().is_some() {
                 actions.push(to_lsp::conversion(&uri));
             }
-            Some(actions)
+            actions
         })
         .await
 }

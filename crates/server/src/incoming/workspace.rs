@@ -15,7 +15,7 @@ use super::work::failed;
 use super::{Backend, conversion, window};
 use crate::documents::Snapshot;
 use crate::preview;
-use crate::raw_responses::{Answer, RawSender, answer};
+use crate::raw_responses::{Answer, RawSender, answer, notification};
 use crate::session::Session;
 use crate::tasks;
 use crate::to_lsp;
@@ -195,12 +195,8 @@ impl<'o> Progress<'o> {
             token: self.token.clone(),
             value: lsp::ProgressParamsValue::WorkDone(value),
         };
-        let message = serde_json::json!({
-            "jsonrpc": "2.0",
-            "method": lsp::notification::Progress::METHOD,
-            "params": params,
-        });
-        self.raw_sender.send(message.to_string().into_bytes());
+        let body = notification(lsp::notification::Progress::METHOD, &params);
+        self.raw_sender.send(body);
     }
 }
 

@@ -27,13 +27,13 @@ pub(super) enum Lookup {
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnresolvedWords {
     /// The words whose beginning became a token. There are few of them, and every name is compared with them.
-    split: Words,
-    others: Words,
+    split: WordIndex,
+    others: WordIndex,
 }
 
-/// Words in lexicographic order, so that all words that begin with a name are adjacent.
+/// WordIndex in lexicographic order, so that all words that begin with a name are adjacent.
 #[derive(Clone, Debug, Default)]
-struct Words(BTreeMap<Box<str>, Vec<Group>>);
+struct WordIndex(BTreeMap<Box<str>, Vec<Group>>);
 
 /// The chunks that looked up a word with the same result.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl UnresolvedWords {
         self.words_mut(is_split).remove(chunk, rest, length);
     }
 
-    fn words_mut(&mut self, is_split: bool) -> &mut Words {
+    fn words_mut(&mut self, is_split: bool) -> &mut WordIndex {
         match is_split {
             true => &mut self.split,
             false => &mut self.others,
@@ -78,7 +78,7 @@ impl UnresolvedWords {
     }
 }
 
-impl Words {
+impl WordIndex {
     fn insert(&mut self, chunk: ChunkId, rest: &str, length: u32) {
         let Some(groups) = self.0.get_mut(rest) else {
             // Most words have one group; a vector that grows by itself would reserve space for four.
