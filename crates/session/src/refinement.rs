@@ -8,7 +8,7 @@ use crate::choices::Preferences;
 use crate::request::differ_by_refinement;
 
 /// The target duration of a picture of a moving view, in seconds.
-const MOVING_PICTURE: f64 = 0.022;
+const MOVING_PICTURE: f64 = 0.016;
 /// The target duration of a refinement step, in seconds.
 const REFINED_STEP: f64 = 0.1;
 /// A picture that is not traced, but takes longer than this, in seconds, may be as coarse as a traced one while it
