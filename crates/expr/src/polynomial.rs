@@ -7,6 +7,7 @@
 use std::cmp::Ordering;
 
 mod lattice;
+mod planes;
 mod region;
 pub use region::{LARGEST_DEGREE, MOST_PIECES, Region, region};
 

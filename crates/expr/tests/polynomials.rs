@@ -103,7 +103,11 @@ fn regions_are_where_the_expression_is_not_positive() {
         (rr.sqrt() + z.abs() - 1.0, vec![1, 1, 2, 2], 0),
         // Defined only where z ≥ 0.
         (z.sqrt() - x, vec![1, 1, 2], 0),
-        ((x * y).sqrt() * x - 0.2 + z, vec![1, 1, 1, 1, 2, 4, 4], 0),
+        (
+            (x * y).sqrt() * x - 0.2 + z,
+            [vec![1; 8], vec![4; 2]].concat(),
+            0,
+        ),
         (x.abs().squared() + y.squared() - 1.0, vec![2], 0),
         (
             x.abs().powi(3) + y.abs().powi(3) + z.abs() - 1.0,
@@ -143,7 +147,40 @@ fn regions_are_where_the_expression_is_not_positive() {
         (x.max(&x.number(-1.0)), vec![1], 0),
         (x.min(&x.number(-1.0)), vec![], 0),
         (x.min(&x.number(1.0)), vec![1], 0),
-        ((x - 1000.0).squared() - 999_000.0, vec![2], 0),
+        ((x - 1000.0).squared() - 999_000.0, vec![1, 1], 0),
+        // Parallel planes, crossing ones, and quadrics that are neither.
+        (x.squared() - 1.0, vec![1, 1], 0),
+        (1.0 - x.squared(), vec![1, 1], 0),
+        ((x - 1.0) * (x + 0.5), vec![1, 1], 0),
+        ((x - 1.0) * (-0.5 - x), vec![1, 1], 0),
+        (
+            (0.6 * x + 0.8 * y + 0.1 * z - 0.3).squared() - 0.25,
+            vec![1, 1],
+            0,
+        ),
+        (x.squared() - y.squared(), vec![1; 4], 0),
+        (0.25 * (y - 0.5).squared() - x.squared(), vec![1; 4], 0),
+        (x * y, vec![1; 4], 0),
+        (-0.5 * x * (y + z), vec![1; 4], 0),
+        ((1e-6 * x + y) * x, vec![1; 4], 0),
+        (x.squared() + 1.0, vec![2], 0),
+        (-1.0 - x.squared(), vec![2], 0),
+        (x.squared() + 2.0 * x * y + y.squared(), vec![2], 0),
+        (x.squared() + y.squared(), vec![2], 0),
+        (x.squared() - z, vec![2], 0),
+        (x.squared() - y.squared() - 1e-9, vec![2], 0),
+        (x.squared() - y.squared() + z.squared(), vec![2], 0),
+        (x * y - z, vec![2], 0),
+        ((x - 0.5).squared() - 1e-10, vec![2], 0),
+        // Twice as many planes would be too many pieces.
+        (
+            (0..40)
+                .map(|k| (x - 0.01 * f64::from(k)).squared() - 1.0)
+                .reduce(|all, slab| all.max(&slab))
+                .unwrap(),
+            vec![2; 40],
+            0,
+        ),
     ];
     let mut state = 1u64;
     let mut random = || {
@@ -289,4 +326,56 @@ fn arithmetic_of_polynomials_is_that_of_their_values() {
     // What is left of 0.1 + 0.2 − 0.3 is rounding.
     let rest = [0.1, 0.2, -0.3].map(|c| ([1, 0, 0], c));
     assert_eq!(Polynomial::from_terms(rest), Polynomial::default());
+}
+
+#[test]
+fn products_of_two_planes_are_half_spaces_with_their_equations() {
+    let [x, y, z] = &variables();
+    let mut state = 7u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        let value = (state >> 11) as f64 / (1u64 << 53) as f64 * 4.0 - 2.0;
+        // Every other coefficient is a small number, or 0.
+        if state >> 10 & 1 == 0 {
+            value.round()
+        } else {
+            value
+        }
+    };
+    for _ in 0..2000 {
+        let [first, second] = [0, 1].map(|_| [0, 1, 2, 3].map(|_| random()));
+        let affine = |[a, b, c, d]: [f64; 4]| a * x + b * y + c * z + d;
+        let degree = |[a, b, c, _]: [f64; 4]| u32::from([a, b, c] != [0.0; 3]);
+        if degree(first) + degree(second) < 2 {
+            continue;
+        }
+        let mut planes = Vec::new();
+        half_spaces(&read(&(affine(first) * affine(second))), &mut planes);
+        assert!(planes.len() == 2 || planes.len() == 4, "{planes:?}");
+        for plane in planes {
+            let scaled = |[a, b, c, d]: [f64; 4]| {
+                let plane = Polynomial::linear(d, [a, b, c]);
+                plane.scaled(1.0 / plane.largest())
+            };
+            let is = |expected: [f64; 4]| {
+                let (one, other) = (plane.scaled(1.0 / plane.largest()), scaled(expected));
+                let distance = |sign| one.plus(&other.scaled(sign)).largest();
+                distance(1.0).min(distance(-1.0)) < 1e-12
+            };
+            assert!(is(first) || is(second), "{first:?} {second:?} {plane:?}");
+        }
+    }
+}
+
+/// Collects polynomials of a region, which must be of degree 1.
+fn half_spaces(region: &Region, found: &mut Vec<Polynomial>) {
+    match region {
+        Region::Polynomial(p) if p.degree() == 1 => found.push(p.clone()),
+        Region::All(parts) | Region::Any(parts) => {
+            parts.iter().for_each(|part| half_spaces(part, found));
+        }
+        other => panic!("{other:?}"),
+    }
 }

@@ -6,7 +6,7 @@ use tracer::{Ray, SetStep, ShapeId, World, WorldBuilder};
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
 mod scenes;
-use formula::variables;
+use formula::{Formula, variables};
 use scenes::Random;
 
 use SetStep::{Difference, Intersection, Union};
@@ -277,4 +277,88 @@ fn the_first_in_the_text_owns_a_shared_face() {
         .map(|crossing| crossing.leaf)
         .collect();
     assert_eq!(leaves, [0, 0]);
+}
+
+/// A slab from `a` to `b`, by a square, by a product and by an absolute value.
+fn slabs(x: &Formula, a: f64, b: f64) -> [Formula; 3] {
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    [
+        (x - middle).squared() - half * half,
+        (x - a) * (x - b),
+        (x - middle).abs() - half,
+    ]
+}
+
+/// The same box three times, by squares, products and absolute values.
+fn boxes(variables: &[Formula; 3], a: [f64; 3], b: [f64; 3]) -> [Formula; 3] {
+    let sides = [0, 1, 2].map(|k| slabs(&variables[k], a[k], b[k]));
+    [0, 1, 2].map(|form| sides[0][form].max(&sides[1][form]).max(&sides[2][form]))
+}
+
+/// A set less another one at the same place.
+fn difference(a: &Formula, b: &Formula, place: &DAffine3) -> World {
+    let graph = a.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let leaves = [a, b].map(|f| builder.shape(f.node(), [None; 3]).unwrap());
+    let [a, b] = leaves.map(|shape| SetStep::Leaf(shape, *place));
+    builder.solid(vec![a, b, Difference]).unwrap();
+    builder.build().unwrap()
+}
+
+#[test]
+fn pairs_of_planes_share_their_faces_in_any_form() {
+    let variables = variables();
+    let (outer, pocket) = (([-1.0; 3], [1.0; 3]), ([0.4, -0.5, -0.5], [1.0, 0.5, 0.5]));
+    let boxes = |(a, b)| boxes(&variables, a, b);
+    for place in places() {
+        for a in &boxes(outer) {
+            for b in &boxes(outer) {
+                let nothing = difference(a, b, &place);
+                for ray in rays(300) {
+                    assert_eq!(cast(&nothing, &place, ray), Vec::<f64>::new(), "{ray:?}");
+                }
+            }
+            for b in &boxes(pocket) {
+                // The mouth of the pocket is flush with a face.
+                let world = difference(a, b, &place);
+                for ray in rays(300) {
+                    let sides = [outer, pocket];
+                    if sides.iter().any(|(a, b)| near_an_edge(*a, *b, ray)) {
+                        continue;
+                    }
+                    let mut expected = Vec::new();
+                    if let Some([near, far]) = through(outer.0, outer.1, ray) {
+                        let hole = through(pocket.0, pocket.1, ray).unwrap_or([far; 2]);
+                        let parts = [[near, hole[0]], [hole[1], far]];
+                        let thick = |part: &[f64; 2]| part[1] - part[0] > 1e-9;
+                        expected.extend(parts.into_iter().filter(thick).flatten());
+                    }
+                    assert_crossings(&cast(&world, &place, ray), &expected, 1e-9, &ray);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn crossing_planes_share_their_faces() {
+    // x² ≤ y² within a box.
+    let variables = variables();
+    let [_, _, cube] = &boxes(&variables, [-1.0; 3], [1.0; 3]);
+    let [x, y, _] = &variables;
+    let wedges = (x.squared() - y.squared()).max(cube);
+    let products = ((x - y) * (y + x)).max(cube);
+    let halves = (x.abs() - y.abs()).max(cube);
+    for place in places() {
+        for (a, b) in [
+            (&wedges, &halves),
+            (&halves, &products),
+            (&products, &wedges),
+        ] {
+            let nothing = difference(a, b, &place);
+            for ray in rays(300) {
+                assert_eq!(cast(&nothing, &place, ray), Vec::<f64>::new(), "{ray:?}");
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a node, and each input as a polynomial or a number. Out: a [`Region`]. Nodes are read in the order of their ids:
 //! first numbers, then lattices of polynomials (`lattice.rs`), and of the rest the outermost `max`, `min`, signs and
-//! products, as far as their operands are defined everywhere.
+//! products, as far as their operands are defined everywhere. Last, pairs of planes are split (`planes.rs`).
 
 use std::sync::Arc;
 
@@ -12,6 +12,7 @@ use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{Binary, Unary, small_integer};
 use crate::polynomial::Polynomial;
 use crate::polynomial::lattice::{Factors, Lattice, RootedPolynomial};
+use crate::polynomial::planes::pair_of_planes;
 
 /// The maximum number of pieces of a region.
 pub const MOST_PIECES: usize = 64;
@@ -92,7 +93,9 @@ pub fn region(
     if region.pieces() > MOST_PIECES || !region.is_moderate() {
         return (Region::Field(root, false), reader.work);
     }
-    (region, reader.work)
+    let split = region.with_pairs_split().simplified();
+    let is_small = split.pieces() <= MOST_PIECES;
+    (if is_small { split } else { region }, reader.work)
 }
 
 impl Region {
@@ -110,6 +113,17 @@ impl Region {
             Self::Polynomial(p) => p.degree() <= LARGEST_DEGREE && p.is_finite(),
             Self::Field(..) => true,
             Self::All(parts) | Self::Any(parts) => parts.iter().all(Self::is_moderate),
+        }
+    }
+
+    /// Returns the region with half-spaces in place of each pair of planes.
+    fn with_pairs_split(&self) -> Self {
+        let all = |parts: &[Self]| parts.iter().map(Self::with_pairs_split).collect();
+        match self {
+            Self::Polynomial(p) => pair_of_planes(p).unwrap_or_else(|| self.clone()),
+            Self::Field(..) => self.clone(),
+            Self::All(parts) => Self::All(all(parts)),
+            Self::Any(parts) => Self::Any(all(parts)),
         }
     }
 
