@@ -11,6 +11,7 @@
 
 mod events;
 mod found;
+mod gradient;
 mod queue;
 mod sweep;
 

@@ -17,6 +17,7 @@ pub(crate) const HIGHEST_SHARED: usize = 4;
 pub(crate) struct PolynomialSurface {
     form: SurfaceForm,
     degree: usize,
+    size: f64,
     pub(crate) polynomial: Polynomial,
 }
 
@@ -76,6 +77,7 @@ impl PolynomialSurface {
         Self {
             form,
             degree: polynomial.degree(),
+            size: polynomial.terms().map(|(_, c)| c.abs()).sum(),
             polynomial,
         }
     }
@@ -97,6 +99,11 @@ impl PolynomialSurface {
 
     pub(crate) fn degree(&self) -> usize {
         self.degree
+    }
+
+    /// Returns the sum of the magnitudes of its coefficients, the bound of its values in the frame.
+    pub(crate) fn size(&self) -> f64 {
+        self.size
     }
 
     /// Returns the approximate work of finding its sign changes on a ray, in operations.

@@ -158,3 +158,47 @@ fn products_are_met_where_their_factors_are() {
     );
     assert_eq!(cast(&film, cuts, from, along), Vec::<[f64; 4]>::new());
 }
+
+#[test]
+fn normals_are_those_of_the_surface_where_the_gradient_is_only_rounding() {
+    // The heart is where A³ ≤ c·z³, so that its gradient is 0 at z = 0, and its surface is that of A − z·∛c.
+    let [x, y, z] = &variables();
+    let (xx, yy, zz) = (&x.squared(), &y.squared(), &z.squared());
+    let heart = (xx + 2.25 * yy + zz - 1.0).powi(3) - (xx + 9.0 / 80.0 * yy) * z.powi(3);
+    let graph = heart.graph().clone();
+    for map in [
+        DAffine3::IDENTITY,
+        DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.7),
+    ] {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder.shape(heart.node(), [None; 3]).unwrap();
+        builder.solid([SetStep::Leaf(shape, map)]).unwrap();
+        let world = builder.build().unwrap();
+        let mut caster = world.caster();
+        let heights = [0.0, 1e-7, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 1e-2];
+        for height in heights.into_iter().flat_map(|z| [-z, z]) {
+            for across in [0.3, -0.5, 0.77] {
+                let ray = Ray {
+                    origin: map.transform_point3(DVec3::new(across, -4.0, height)),
+                    direction: map.transform_vector3(DVec3::Y),
+                    leaving: None,
+                };
+                let crossings = caster.cast(&ray);
+                assert_eq!(crossings.len(), 2);
+                for crossing in crossings {
+                    let DVec3 { x, y, z } = map.inverse().transform_point3(crossing.position);
+                    let root = (x * x + 9.0 / 80.0 * y * y).cbrt();
+                    let slope = z / (3.0 * root * root);
+                    let gradient = DVec3::new(
+                        2.0 * x - slope * 2.0 * x,
+                        4.5 * y - slope * 9.0 / 40.0 * y,
+                        2.0 * z - root,
+                    );
+                    let expected = map.transform_vector3(gradient.normalize());
+                    let off = crossing.normal.distance(expected);
+                    assert!(off < 1e-3, "{off} at {height}, {across}: {crossing:?}");
+                }
+            }
+        }
+    }
+}

@@ -4,6 +4,7 @@
 
 use glam::DVec3;
 
+use super::gradient::gradient_on;
 use super::{BOX, Caster, Crossing, SurfaceEvent};
 use crate::line::{Ray, SurfaceId};
 use crate::shape::LeafSurface;
@@ -121,22 +122,22 @@ impl Caster<'_> {
         })
     }
 
-    /// Returns the gradient of the surface of an event.
+    /// Returns a vector along the normal of the surface of an event: the gradient, unless that is only rounding.
     fn gradient(&mut self, ray: &Ray, event: SurfaceEvent) -> DVec3 {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
         let position = ray.origin + event.t * ray.direction;
         match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
-                let at = match surface.quadratic() {
+                let gradient = match surface.quadratic() {
                     // For a quadric this point is as exact as one on the line in its frame.
-                    Some(_) => leaf.unit_from_world.transform_point3(position),
+                    Some(form) => form.gradient(leaf.unit_from_world.transform_point3(position)),
                     None => {
                         let line = self.line(ray, event.leaf);
-                        line.point + line.place(event.t) * line.direction
+                        gradient_on(surface, &line, line.place(event.t))
                     }
                 };
-                leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
+                leaf.unit_from_world.matrix3.transpose() * gradient
             }
             LeafSurface::Field(field, _) => {
                 let at = leaf.shape_from_world.transform_point3(position);
