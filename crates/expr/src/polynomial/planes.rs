@@ -13,7 +13,7 @@ const LEAST_SEPARATION: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A function of x, y and z: their coefficients, and the constant.
 #[derive(Clone, Copy, Default)]
-struct Affine {
+struct AffineFactor {
     coefficients: [f64; 4],
     /// The maximum rounding error of each coefficient.
     errors: [f64; 4],
@@ -25,8 +25,8 @@ pub(super) fn pair_of_planes(polynomial: &Polynomial) -> Option<Region> {
         return None;
     }
     let [first, second] = factors(&symmetric(polynomial))?;
-    let below = |plane: Affine| Region::Polynomial(plane.polynomial());
-    let above = |plane: Affine| Region::Polynomial(plane.polynomial().scaled(-1.0));
+    let below = |plane: AffineFactor| Region::Polynomial(plane.polynomial());
+    let above = |plane: AffineFactor| Region::Polynomial(plane.polynomial().scaled(-1.0));
     if !first.is_parallel(&second) {
         // Of different signs.
         return Some(Region::Any(vec![
@@ -62,7 +62,7 @@ fn symmetric(polynomial: &Polynomial) -> [[f64; 4]; 4] {
 ///
 /// With a block ((a, b), (b, c)) of the matrix, where r² = b² − ac is positive, and w = b ± r, the part of the form in those
 /// two variables is (ws + ct)(as + wt)/w. The other coefficients follow from the rows of the block.
-fn factors(matrix: &[[f64; 4]; 4]) -> Option<[Affine; 2]> {
+fn factors(matrix: &[[f64; 4]; 4]) -> Option<[AffineFactor; 2]> {
     let square_and_product = |(i, j): (usize, usize)| {
         let (a, b, c) = (matrix[i][i], matrix[i][j], matrix[j][j]);
         (b * b, a * c)
@@ -82,7 +82,7 @@ fn factors(matrix: &[[f64; 4]; 4]) -> Option<[Affine; 2]> {
     let (a, b, c) = (matrix[i][i], matrix[i][j], matrix[j][j]);
     let root = difference((i, j)).sqrt().copysign(b);
     let w = b + root;
-    let (mut p, mut q) = (Affine::default(), Affine::default());
+    let (mut p, mut q) = (AffineFactor::default(), AffineFactor::default());
     p.set(i, [w, 0.0], 1.0);
     p.set(j, [c, 0.0], 1.0);
     q.set(i, [a, 0.0], 1.0);
@@ -105,7 +105,7 @@ fn factors(matrix: &[[f64; 4]; 4]) -> Option<[Affine; 2]> {
     is_product.then_some([p, q])
 }
 
-impl Affine {
+impl AffineFactor {
     /// Sets a coefficient to (a − b)/divisor, or to 0 if that is only rounding.
     fn set(&mut self, k: usize, [a, b]: [f64; 2], divisor: f64) {
         let error = ROUNDING * a.abs().max(b.abs());
