@@ -141,6 +141,28 @@ fn explain_counts_the_operations_of_all_derivatives() {
     assert!((1..=100).contains(&count), "{count}");
 }
 
+#[test]
+fn explain_counts_the_operations_of_a_solids_derivatives() {
+    let source = "solid ball(x,y,z) = x^2+y^2+z^2-1; function wave(x,y,z) = sin x sin y - z; solid s = ball & wave;
+                  camera eye = (0,1,0) @ (0,-4,0);";
+    let run = geotrace(["explain", "-"]).input(source).run();
+    run.expect_status(0);
+    run.expect_text("solid s: ends of geodesics from");
+    run.expect_text("operations for all derivatives");
+    let plan = |source: &str| {
+        let run = geotrace(["explain", "--format", "json", "-"])
+            .input(source)
+            .run();
+        let json = run.expect_status(0).json();
+        find(&json, "derivative_operations").and_then(serde_json::Value::as_u64)
+    };
+    // 2x, 2y, 2z.
+    let ball = plan("solid ball(x,y,z) = x^2+y^2+z^2-1;");
+    assert_eq!(ball, Some(3));
+    // The leaf that has the most counts.
+    assert!(plan(source) > ball);
+}
+
 /// The first value under a key, at any depth.
 fn find<'a>(json: &'a serde_json::Value, key: &str) -> Option<&'a serde_json::Value> {
     match json {

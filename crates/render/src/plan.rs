@@ -72,7 +72,8 @@ pub struct GeodesicPlan {
     /// CPU.
     pub is_table: bool,
     /// Operations of the surface's derivatives up to order two, with shared ones counted once: the work on the surface for
-    /// one evaluation of the geodesic equation. `None` if the derivatives are too large.
+    /// one evaluation of the geodesic equation. For a solid, those of the leaf that has the most. `None` if the derivatives
+    /// are too large.
     pub derivative_operations: Option<u64>,
 }
 
@@ -267,12 +268,17 @@ fn operations_with_normals(scene: &Scene, object: &Object) -> Option<u64> {
     Some(count(&graph, &roots))
 }
 
-/// Returns the operations of a surface's derivatives up to order two, or of the derivatives of a metric that its geodesics
-/// need; `None` if they are too large.
+/// Returns the operations of a surface's derivatives up to order two, of the derivatives of a metric that its geodesics need,
+/// or of the derivatives up to order two of a solid's leaf, the one that has the most; `None` if they are too large.
 pub(crate) fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {
     let shape = &scene.get(surface)?.shape;
     if let Some((components, _)) = shape.metric() {
         return form_operations(scene, components);
+    }
+    if let Some(solid) = shape.solid() {
+        let fields: BTreeSet<NodeId> = solid.leaves.iter().map(|leaf| leaf.field).collect();
+        let mut counts = fields.iter().map(|&field| field_operations(scene, field));
+        return counts.try_fold(0, |most, count| Some(most.max(count?)));
     }
     let (position, _) = shape.surface()?;
     let (mut graph, roots) = surface_roots(scene, position)?;
@@ -293,6 +299,20 @@ fn form_operations(scene: &Scene, components: &[NodeId; 3]) -> Option<u64> {
     let mut all = [&form[..], &by_u, &by_v].concat();
     for (first, by) in [(by_v[0], v), (by_u[1], v), (by_u[2], u)] {
         all.extend(graph.derivatives(&[first], by).ok()?);
+    }
+    Some(count(&graph, &all))
+}
+
+/// Returns the operations of the gradient and the second derivatives of a leaf's field.
+fn field_operations(scene: &Scene, field: NodeId) -> Option<u64> {
+    let (mut graph, field) = scene.graph.extract(&[field]);
+    let mut all = Vec::new();
+    for k in 0..3 {
+        let first = graph.derivatives(&field, Input::Variable(k)).ok()?;
+        for by in k..3 {
+            all.extend(graph.derivatives(&first, Input::Variable(by)).ok()?);
+        }
+        all.extend(first);
     }
     Some(count(&graph, &all))
 }
