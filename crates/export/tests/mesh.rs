@@ -703,6 +703,45 @@ fn counts_of_intervals_say_how_fine_a_solid_is() {
 }
 
 #[test]
+fn an_endless_solid_is_reported_with_the_intervals_that_it_needs() {
+    for (source, along, cut) in [
+        (
+            "solid p(x,y) = x^2+y^2-1;",
+            "z",
+            "`z : [-3, 3]`, which needs the parameter z: `solid p(x, y, z)`",
+        ),
+        (
+            "solid p(x,y,z) = y^2+z^2-1, y : [-0.5, 0.5];",
+            "x",
+            "`x : [-3, 3]`",
+        ),
+        (
+            "function f(x,y) = x^2+y^2-1; solid p = f \\ f @ scale 0.5;",
+            "z",
+            "`z : [-3, 3]`",
+        ),
+        (
+            "solid p(x,y) = x, y : [0, 1];",
+            "x and z",
+            "`x : [-3, 3], z : [-3, 3]`, which needs the parameter z: `solid p(x, y, z)`",
+        ),
+    ] {
+        let note = format!(
+            "`p` has no mesh, because it may be unbounded: no bound was found along {along}; cut it by {cut}"
+        );
+        assert_eq!(exported(source).notes, [note], "{source}");
+    }
+    // What the notes advise.
+    for cut in [
+        "solid p(x,y,z) = x^2+y^2-1, z : [-3, 3];",
+        "function f(x,y) = x^2+y^2-1; solid p = f \\ f @ scale 0.5, z : [-3, 3];",
+        "solid p(x,y,z) = x, x : [-3, 3], y : [0, 1], z : [-3, 3];",
+    ] {
+        assert!(Solid::of_obj(&exported(cut)).is_watertight(), "{cut}");
+    }
+}
+
+#[test]
 fn a_count_that_is_too_large_is_reported() {
     let bar = |count: u32| {
         let source = format!("solid b(x,y,z) = max(abs y, abs z) - 0.005, x : [0, 1, {count}];");
@@ -749,8 +788,9 @@ fn what_is_thinner_than_a_cell_is_reported() {
     let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
     assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
     let unknown = exported("solid star(x,y,z) = x^(2/3) + y^(2/3) + z^(2/3) - 1;");
-    let note = "`star` has no mesh: no bounding box was found, and it may be unbounded; ";
-    assert!(unknown.notes[0].starts_with(note), "{:?}", unknown.notes);
+    let note = "`star` has no mesh, because it may be unbounded: no bound was found along x, y and z; \
+                cut it by `x : [-3, 3], y : [-3, 3], z : [-3, 3]`";
+    assert_eq!(unknown.notes, [note]);
 
     for (source, is_partly_thin) in [
         // A brim, a shell, and a plate that no axis is normal to.

@@ -42,7 +42,7 @@ use stage::DeclaredBackground;
 pub use bodies::{MAX_BODIES, Thickness, stated_radius};
 pub use expand::instance_grids;
 pub use look::{BackgroundImage, FaceImage, Paint};
-pub use note::{RayFault, RayNote};
+pub use note::{MissingCuts, RayFault, RayNote};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};
 
@@ -129,6 +129,8 @@ struct RaySolid {
     object: usize,
     /// The length of a mesh cell stated by its intervals.
     stated_cell: Option<f64>,
+    /// True if it is given by a function that does not depend on z, which its declaration need not name.
+    is_prism: bool,
 }
 
 /// An object that rays may meet.
@@ -456,13 +458,23 @@ impl RayScene {
         bounds.is_some_and(|bounds| bounds.is_empty())
     }
 
+    /// Returns the axes along which a solid of the world has no bound, as advice to cut it.
+    pub fn missing_cuts(&self, solid: usize) -> MissingCuts {
+        MissingCuts {
+            axes: self.world.unbounded_axes(solid),
+            prism: self.content.solids[solid]
+                .is_prism
+                .then(|| self.object_of_solid(solid).name.clone()),
+        }
+    }
+
     /// Returns a note for each solid without a bounding box.
     pub fn endless(&self) -> impl Iterator<Item = RayNote> {
         let solids = 0..self.world.solid_count();
         let endless = solids.filter(|&solid| self.world.bounds(solid).is_none());
         endless.map(|solid| RayNote {
             object: self.object_of_solid(solid).name.clone(),
-            fault: RayFault::Endless,
+            fault: RayFault::Endless(self.missing_cuts(solid)),
         })
     }
 

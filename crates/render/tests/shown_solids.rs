@@ -534,8 +534,8 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
 
 #[test]
 fn an_endless_solid_that_nothing_frames_is_noted() {
-    let note = "`s` may be unbounded: no bounding box was found, so the picture does not frame it; cut it by \
-                intervals, such as `x : [-3, 3]`";
+    let note = "`s` may be unbounded, so the picture does not frame it: no bound was found along z; cut it by \
+                `z : [-3, 3]`, which needs the parameter z: `solid s(x, y, z)`";
     let endless = "solid s(x,y,z) = x^2 + y^2 - 1;";
     let cases = [
         (endless.to_owned(), true),

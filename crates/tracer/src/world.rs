@@ -44,8 +44,8 @@ pub struct World {
     /// The surface of each piece.
     pub(crate) surface_of_piece: Vec<SurfaceId>,
     pub(crate) solids: Vec<Vec<TreeStep>>,
-    /// For each solid a box that contains it, `None` if none is found.
-    bounds: Vec<Option<BoundingBox>>,
+    /// For each solid a box that contains it; sides for which no bound is found are infinite.
+    extents: Vec<BoundingBox>,
 }
 
 /// The work of evaluating a leaf, or of preparing one, in operations.
@@ -70,7 +70,7 @@ impl World {
             product_of: Vec::new(),
             surface_of_piece: Vec::new(),
             solids: Vec::new(),
-            bounds: Vec::new(),
+            extents: Vec::new(),
         }
     }
 
@@ -97,7 +97,14 @@ impl World {
 
     /// Returns a box that contains the solid; `None` for an unbounded one, and if the boxes of its leaves do not bound it.
     pub fn bounds(&self, solid: usize) -> Option<BoundingBox> {
-        self.bounds[solid]
+        self.extents[solid].if_finite()
+    }
+
+    /// Returns for each axis whether no bound of the solid along it was found, on one side or both.
+    pub fn unbounded_axes(&self, solid: usize) -> [bool; 3] {
+        let extent = &self.extents[solid];
+        let is_bounded = |k: usize| extent.lower[k].is_finite() && extent.upper[k].is_finite();
+        [0, 1, 2].map(|k| !extent.is_empty() && !is_bounded(k))
     }
 
     /// Returns the highest degree of the polynomials that bound a leaf; `None` if a field bounds it.

@@ -85,8 +85,8 @@ pub(super) fn meshed(
     let Some(bounds) = rays.world().bounds(0) else {
         let mut notes = ray_notes();
         notes.push(format!(
-            "`{name}` has no mesh: no bounding box was found, and it may be unbounded; cut it by intervals, such as \
-             `x : [-3, 3]`"
+            "`{name}` has no mesh, because it may be unbounded: {}",
+            rays.missing_cuts(0)
         ));
         return (None, notes);
     };

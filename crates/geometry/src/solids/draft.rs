@@ -102,6 +102,7 @@ impl<'a> Draft<'a> {
         let ray_solid = RaySolid {
             object: self.object(id, object),
             stated_cell: expanded.stated_cell(solid),
+            is_prism: is_prism(self.scene, object, solid),
         };
         let first = [self.content.looks.len(), self.content.names.len()].map(|it| it as u32);
         self.add_looks(id, object, solid);
@@ -265,6 +266,7 @@ impl<'a> Draft<'a> {
         let ray_solid = RaySolid {
             object: self.object(Some(id), object),
             stated_cell: None,
+            is_prism: false,
         };
         let colour = (self.options.colour)(id);
         let look = LookProgram::new(
@@ -381,4 +383,16 @@ impl<'a> Draft<'a> {
             content: self.content,
         }
     }
+}
+
+/// Returns true if a solid is given by a function, and not by a set, and the function does not depend on z.
+fn is_prism(scene: &Scene, object: &Object, solid: &Solid) -> bool {
+    let [leaf] = &solid.leaves[..] else {
+        return false;
+    };
+    leaf.name == object.name
+        && !scene
+            .graph
+            .inputs(&[leaf.field])
+            .contains(&Input::Variable(2))
 }

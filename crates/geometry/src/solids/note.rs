@@ -28,7 +28,7 @@ pub enum RayFault {
     /// Invisible: the object contains no point.
     Empty,
     /// No bounding box was found.
-    Endless,
+    Endless(MissingCuts),
     /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
     TooManyLeaves,
     /// Not drawn: its derivatives are too large.
@@ -51,6 +51,38 @@ pub enum RayFault {
     UnplacedImage,
 }
 
+/// The axes along which no bound of a solid was found. Displayed as a clause with the intervals to state.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct MissingCuts {
+    /// True for x, y and z if no bound along the axis was found.
+    pub axes: [bool; 3],
+    /// The name of a solid whose declaration must name z before it can cut it.
+    pub prism: Option<String>,
+}
+
+impl std::fmt::Display for MissingCuts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let axes = ["x", "y", "z"].into_iter().zip(self.axes);
+        let missing: Vec<&str> = axes.filter(|(_, is)| *is).map(|(axis, _)| axis).collect();
+        let along = match &missing[..] {
+            [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
+            all => all.concat(),
+        };
+        let cuts: Vec<String> = missing
+            .iter()
+            .map(|axis| format!("{axis} : [-3, 3]"))
+            .collect();
+        let cuts = cuts.join(", ");
+        write!(f, "no bound was found along {along}; cut it by `{cuts}`")?;
+        match &self.prism {
+            Some(name) if self.axes[2] => {
+                write!(f, ", which needs the parameter z: `solid {name}(x, y, z)`")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl std::fmt::Display for RayNote {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = &self.object;
@@ -71,11 +103,12 @@ impl std::fmt::Display for RayNote {
                 "{skipped} of the {instances} instances of `{name}` are not drawn: the map of `{leaf}` is singular"
             ),
             RayFault::Empty => write!(f, "`{name}` is not visible: it contains no point"),
-            RayFault::Endless => write!(
-                f,
-                "`{name}` may be unbounded: no bounding box was found, so the picture does not frame it; cut it by \
-                 intervals, such as `x : [-3, 3]`"
-            ),
+            RayFault::Endless(cuts) => {
+                write!(
+                    f,
+                    "`{name}` may be unbounded, so the picture does not frame it: {cuts}"
+                )
+            }
             RayFault::TooManyLeaves => write!(
                 f,
                 "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"

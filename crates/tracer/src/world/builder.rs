@@ -219,7 +219,7 @@ impl<'a> WorldBuilder<'a> {
             boxes: Vec::new(),
             forest: Forest::default(),
             solids: Vec::new(),
-            bounds: Vec::new(),
+            extents: Vec::new(),
             piece_count: 0,
         };
         for placed in self.solids {
@@ -230,7 +230,7 @@ impl<'a> WorldBuilder<'a> {
             boxes,
             forest,
             solids,
-            bounds,
+            extents,
             piece_count,
             ..
         } = draft;
@@ -260,7 +260,7 @@ impl<'a> WorldBuilder<'a> {
             leaves,
             surfaces,
             solids,
-            bounds,
+            extents,
         })
     }
 
@@ -302,7 +302,7 @@ struct WorldDraft<'a> {
     forest: Forest,
     solids: Vec<Vec<TreeStep>>,
     /// The box of each solid, if one is found.
-    bounds: Vec<Option<BoundingBox>>,
+    extents: Vec<BoundingBox>,
     piece_count: usize,
 }
 
@@ -322,8 +322,8 @@ impl WorldDraft<'_> {
             .map(|leaf| self.frames.compiled(leaf.shape))
             .collect::<Result<_, _>>()?;
         let literals = self.literals(&steps, &compiled);
-        let (bounds, clips) = self.clips(&steps, &placed.leaves, &compiled);
-        self.bounds.push(bounds.if_finite());
+        let (extent, clips) = self.clips(&steps, &placed.leaves, &compiled);
+        self.extents.push(extent);
         let parts = compiled.into_iter().zip(clips).zip(literals);
         for (placed, ((compiled, clip), literals)) in placed.leaves.into_iter().zip(parts) {
             // Each leaf is a part of its tree.
