@@ -73,6 +73,61 @@ fn an_object_shows_the_image_that_it_states_in_every_view() {
 }
 
 #[test]
+fn an_image_that_is_replaced_by_an_option_is_not_missed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    save(&folder.join("other.png"), BLUE);
+    let other = folder.join("other.png").display().to_string();
+    for (program, name) in [(SURFACE, "s"), (SOLID, "s"), (SKY, "sky")] {
+        let chosen = format!("{name}={other}");
+        let options = ["--view", "traced", "--texture", &chosen];
+        let (middle, printed) = draw(folder, program, &options);
+        assert_eq!(hue(middle), BLUE, "{program}");
+        assert!(!printed.contains("ground"), "{printed}");
+    }
+    // Another object still misses it.
+    let two =
+        format!("{SURFACE} surface t(u, v) = (u, v, 1), u : [-1, 1], v : [-1, 1], image : ground;");
+    let chosen = format!("s={other}");
+    let (_, printed) = draw(folder, &two, &["--texture", &chosen]);
+    assert!(printed.contains("there is no ground.png"), "{printed}");
+}
+
+#[test]
+fn an_image_is_for_a_surface_a_metric_a_solid_or_the_background() {
+    let program =
+        "solid ball(x,y,z) = x^2+y^2+z^2-1; solid half = ball, z : [0, 1]; background sky = 0;
+                   curve c(t) = (t,t,t), t : [0,1];";
+    for (texture, message) in [
+        (
+            "zz=sky.png",
+            "declares no surface, metric, solid or background `zz`",
+        ),
+        (
+            "c=sky.png",
+            "is a curve, not a surface, metric, solid or background",
+        ),
+        (
+            "ball=sky.png",
+            "`ball` is a part of another solid, and is not drawn itself",
+        ),
+        (
+            "half=plain",
+            "`half` is a solid, but `plain` is for a surface or a metric",
+        ),
+        (
+            "sky=curvature",
+            "`sky` is a background, but `curvature` is for a surface or a metric",
+        ),
+    ] {
+        let run = geotrace(["render", "-", "-o", "out.png", "--texture", texture])
+            .input(program)
+            .run();
+        run.expect_status(2).expect_text(message);
+    }
+}
+
+#[test]
 fn an_image_lies_beside_the_program_or_in_the_folder_that_is_given() {
     let folder = tempfile::tempdir().expect("a folder");
     let elsewhere = tempfile::tempdir().expect("a folder");

@@ -237,16 +237,31 @@ impl LoadedProgram {
         {
             return Ok(solid);
         }
+        self.first_with_inside(name, "surface, metric or solid")
+    }
+
+    /// Finds a surface, a metric or a solid that an image is for, by its name.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is none.
+    pub(crate) fn textured(&self, name: &str) -> Result<(ObjectId, &Object), Failure> {
+        self.first_with_inside(Some(name), "surface, metric, solid or background")
+    }
+
+    fn first_with_inside(
+        &self,
+        name: Option<&str>,
+        wanted: &str,
+    ) -> Result<(ObjectId, &Object), Failure> {
         if let Some(name) = name
-            && scene.parts.iter().any(|part| part.name == name)
+            && self.scene().parts.iter().any(|part| part.name == name)
         {
             return Err(Failure::Usage {
                 message: format!("`{name}` is a part of another solid, and is not drawn itself"),
                 hint: Some(format!("`solid copy = {name};` draws it")),
             });
         }
-        let is_ground = |shape: &Shape| shape.has_inside();
-        self.first_of(name, "surface, metric or solid", &is_ground)
+        self.first_of(name, wanted, &|shape: &Shape| shape.has_inside())
     }
 
     /// Finds the objects with a name: several objects of a script may share one.

@@ -134,13 +134,7 @@ impl Scene {
     /// Returns the images that attributes name, as words or as paths, without duplicates, in alphabetical order.
     pub fn image_words(&self) -> BTreeSet<&str> {
         let objects = self.objects.iter().chain(&self.stage);
-        let stated = objects.flat_map(|object| {
-            let leaves = object.shape.solid().into_iter();
-            let leaves = leaves.flat_map(|solid| &solid.leaves);
-            std::iter::once(&object.attributes).chain(leaves.map(|leaf| &*leaf.attributes))
-        });
-        let words = stated.filter_map(|attributes| stated_word(attributes, "image"));
-        words.collect()
+        objects.flat_map(Object::image_words).collect()
     }
 
     /// Returns the background.
@@ -220,6 +214,14 @@ pub struct Object {
 }
 
 impl Object {
+    /// Returns the images that its attributes name, or those of its leaves, as words or as paths.
+    pub fn image_words(&self) -> impl Iterator<Item = &str> {
+        let leaves = self.shape.solid().into_iter();
+        let leaves = leaves.flat_map(|solid| &solid.leaves);
+        let stated = std::iter::once(&self.attributes).chain(leaves.map(|leaf| &*leaf.attributes));
+        stated.filter_map(|attributes| stated_word(attributes, "image"))
+    }
+
     pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
         let attributes = self.attributes.iter_mut().flat_map(Attribute::nodes_mut);
         self.shape.nodes_mut().into_iter().chain(attributes)

@@ -1,12 +1,13 @@
 //! The images of objects: options and a program flow in, textures for the values of params flow out.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use export::whole_file::phrase;
 use render::PictureRequest;
 use render::shared::Shared;
 use render::texture::{TexelBudget, Texture, TextureError, missing_file, named_file};
-use scene::{ObjectId, ParamValues, Scene};
+use scene::{Object, ObjectId, ParamValues, Scene};
 
 use super::failure;
 use crate::argument::TextureFile;
@@ -103,7 +104,13 @@ pub(in crate::command) fn textures(
     let beside = Path::new(&program.source.name).parent();
     let folders = beside.into_iter().chain(folder).map(Path::to_owned);
     let folders: Vec<PathBuf> = folders.collect();
-    for word in scene.image_words() {
+    let objects = scene.objects.iter().chain(&scene.stage);
+    let shows_its_own = |object: &&Object| !files.iter().any(|file| file.object == object.name);
+    let words: BTreeSet<&str> = objects
+        .filter(shows_its_own)
+        .flat_map(Object::image_words)
+        .collect();
+    for word in words {
         let Some(file) = named_file(word, &folders) else {
             images.missing.push(missing_file(word, &folders));
             continue;
@@ -121,6 +128,7 @@ pub(in crate::command) fn textures(
             || Texture::load(&file.path, &budget).map_err(|error| texture_failure(file, error));
         let background = scene.background();
         if background.is_some_and(|object| object.name == file.object) {
+            refuse_word(file, "background")?;
             images.background = Some(load()?.into());
             continue;
         }
@@ -128,13 +136,14 @@ pub(in crate::command) fn textures(
         let solids = named.filter(|(_, object)| object.shape.solid().is_some());
         let solids: Vec<ObjectId> = solids.map(|(id, _)| id).collect();
         if !solids.is_empty() {
+            refuse_word(file, "solid")?;
             let image = Shared::from(load()?);
             images
                 .loaded
                 .extend(solids.into_iter().map(|solid| (solid, image.clone())));
             continue;
         }
-        let (surface, _) = program.surface(Some(&file.object))?;
+        let (surface, _) = program.textured(&file.object)?;
         // The last option for a surface applies.
         images.curved.retain(|&other| other != surface);
         if file.path.as_os_str() == CURVATURE {
@@ -146,6 +155,24 @@ pub(in crate::command) fn textures(
         }
     }
     Ok(images)
+}
+
+/// Refuses a word in place of a file for an object other than a surface or a metric.
+fn refuse_word(file: &TextureFile, kind: &str) -> Result<(), Failure> {
+    let mut words = [CURVATURE, PLAIN].into_iter();
+    match words.find(|word| file.path.as_os_str() == *word) {
+        Some(word) => Err(Failure::Usage {
+            message: format!(
+                "`{}` is a {kind}, but `{word}` is for a surface or a metric",
+                file.object
+            ),
+            hint: Some(format!(
+                "a {kind} shows an image file: `{}=FILE`",
+                file.object
+            )),
+        }),
+        None => Ok(()),
+    }
 }
 
 fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
