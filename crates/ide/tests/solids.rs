@@ -255,6 +255,17 @@ fn hover_tells_what_a_solid_is() {
     for part in ["mirror", "default", "0…1", "= 0.1"] {
         assert!(mirror.contains(part), "{part} in {mirror}");
     }
+    assert!(mirror.contains("\nmirror : 0.1\n"), "{mirror}");
+    let soft = told("light l = (1,0,0) @ (2,0,0), angle : 1, so¦ft : 0.2\n  + 0.1;");
+    assert!(soft.contains("\nsoft : 0.2 + 0.1\n"), "{soft}");
+    assert!(soft.contains("= 0.3"), "{soft}");
+    let shape = told(&at("star"));
+    assert!(shape.contains("\nbokeh : star\n"), "{shape}");
+    let long = told(&format!(
+        "solid s(x,y,z) = x, bu¦mp : 0{};",
+        " + sin x".repeat(99)
+    ));
+    assert!(long.contains("\nbump\n"), "{long}");
     let lamp = told(&at("lamp"));
     assert!(lamp.contains("in all directions from (2, -2, 4)"), "{lamp}");
     let eye = told(&at("eye"));

@@ -78,7 +78,11 @@ pub(crate) fn range_and_default(row: &AttributeRow) -> String {
     format!("{values}; default: {}", row.default)
 }
 
-/// Describes the attribute whose word, or word as a value, is a token, including its value if that is an expression.
+/// The maximum length in bytes of a value that is repeated in the description of its attribute.
+const LONGEST_VALUE: usize = 120;
+
+/// Describes the attribute whose word, or word as a value, is a token: the attribute as it is stated, its purpose, and its
+/// value if that is an expression.
 pub(crate) fn stated_attribute(analysis: &GeotraceAnalysis, token: usize) -> Option<Description> {
     let place = analysis.token(token)?.span;
     let item = analysis.item_at(place.start)?;
@@ -89,10 +93,22 @@ pub(crate) fn stated_attribute(analysis: &GeotraceAnalysis, token: usize) -> Opt
     })?;
     let row = word.row(item.keyword).or_else(|| word.rows().next())?;
     let mut description = attribute(row);
-    let value = item.attributes().find(|(_, word, _)| *word == place);
-    let value = value.filter(|(word, ..)| !word.is_key());
-    let value = value.and_then(|(_, _, value)| application::value(analysis, value));
-    description.text.extend(value);
+    let stated = item
+        .attributes()
+        .find(|(_, word, value)| *word == place || *value == place);
+    if let Some((word, _, value)) = stated {
+        let text = analysis.slice(value);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        description.code = match words.join(" ") {
+            value if (1..=LONGEST_VALUE).contains(&value.len()) => {
+                format!("{} : {value}", row.text)
+            }
+            _ => row.text.to_owned(),
+        };
+        if !word.is_key() {
+            description.text.extend(application::value(analysis, value));
+        }
+    }
     Some(description)
 }
 
