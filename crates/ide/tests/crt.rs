@@ -101,6 +101,37 @@ fn words_are_described() {
 }
 
 #[test]
+fn the_default_of_an_attribute_is_code_or_a_phrase() {
+    for (text, word, default) in [
+        ("Settings { lights -> [] }", "lights", "`[]`"),
+        (
+            "Settings { background -> Background {} }",
+            "background",
+            "white",
+        ),
+        (
+            "m = Material { diffuse -> 1 }",
+            "diffuse",
+            "`1 - reflectivity - transparency`",
+        ),
+        (
+            "s = Sphere { material -> Material {} }",
+            "material",
+            "`Material {}`",
+        ),
+        (
+            "m = Material { color -> rgb(1, 0, 0) }",
+            "color",
+            "`rgb(0.5, 0.5, 0.5)`",
+        ),
+    ] {
+        let (_, description) = read(text).hover(at(text, word)).expect("a description");
+        let wanted = format!("Default: {default}.");
+        assert!(description.markdown().contains(&wanted), "{text}");
+    }
+}
+
+#[test]
 fn attributes_objects_and_variables_are_completed() {
     let labels = |text: &str| -> Vec<String> {
         let list = read(text).completions(text.len() as u32, false).list;

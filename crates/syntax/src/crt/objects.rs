@@ -47,6 +47,8 @@ pub enum DefaultValue {
     Colour([f64; 3]),
     /// A string.
     Text(&'static str),
+    /// Another value, in the syntax of a script; it is created by the interpreter.
+    Code(&'static str),
     /// A value that is described by a phrase and created by the interpreter.
     Phrase(&'static str),
 }
@@ -61,6 +63,7 @@ impl DefaultValue {
             Self::Vector([x, y, z]) => format!("vec3({x}, {y}, {z})"),
             Self::Colour([red, green, blue]) => format!("rgb({red}, {green}, {blue})"),
             Self::Text(text) => format!("\"{text}\""),
+            Self::Code(code) => code.to_owned(),
             Self::Phrase(phrase) => phrase.to_owned(),
         })
     }
@@ -165,7 +168,7 @@ macro_rules! objects {
     };
 }
 
-use DefaultValue::{Phrase, Required};
+use DefaultValue::{Code, Phrase, Required};
 
 const ANY: ValueType = ValueType::Number(AttributeRange::ANY);
 const POSITIVE: ValueType = ValueType::Number(AttributeRange::POSITIVE);
@@ -189,7 +192,7 @@ const SHAPES: ValueType = ValueType::Choice(&[
 ]);
 const PROJECTIONS: ValueType = ValueType::Choice(&["pinhole", "spherical", "cylindrical"]);
 const NO_TEXT: DefaultValue = DefaultValue::Text("");
-const PLAIN: DefaultValue = Phrase("Material {}");
+const PLAIN: DefaultValue = Code("Material {}");
 
 const fn number(value: f64) -> DefaultValue {
     DefaultValue::Number(value)
@@ -241,7 +244,7 @@ objects! {
         "reflectivity" SHARE, "", number(0.0), "the fraction of light that is reflected as by a mirror";
         "transparency" SHARE, "", number(0.0), "the fraction of light that is transmitted";
         "refractiveindex" POSITIVE, "", number(1.5), "the index of refraction inside";
-        "diffuse" NOT_NEGATIVE, "", Phrase("1 - reflectivity - transparency"), "the diffuse reflectance";
+        "diffuse" NOT_NEGATIVE, "", Code("1 - reflectivity - transparency"), "the diffuse reflectance";
         "specularity" NOT_NEGATIVE, "", number(0.0), "the strength of highlights";
         "shininess" POSITIVE, "", number(3.0), "the exponent of highlights: the larger, the smaller they are";
     }
@@ -300,7 +303,7 @@ objects! {
         "gamma" POSITIVE, "", number(1.0), "the gamma of the picture: a byte is 255 times light to the power 1/gamma";
         "background" ValueType::Background, "", Phrase("white"), "the colour or image where no object is hit";
         "camera" ValueType::Camera, "", Phrase("from (0, 0, -1) to (0, 0, 0), 60 degrees"), "the camera";
-        "lights" ValueType::Lights, "", Phrase("[]"), "the lights";
+        "lights" ValueType::Lights, "", Code("[]"), "the lights";
         "supersampling" COUNT, "", DefaultValue::Integer(1), "the number of samples per pixel in each direction";
         "dofsamples" COUNT, "", DefaultValue::Integer(1), "the number of rays through the lens for each sample";
         "recursiondepth" DEPTH, "", DefaultValue::Integer(3), "the maximum number of reflections and refractions of a ray";
