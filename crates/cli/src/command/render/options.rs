@@ -14,8 +14,8 @@ use crate::argument::{
 #[command(next_help_heading = "Geodesic view")]
 #[group(skip)]
 pub(super) struct GeodesicViewArguments {
-    /// The camera's position: u,v, or near a solid x,y,z [default: the middle of the domain, or the point where the
-    /// ray along x from the middle of the solid's box leaves the solid]
+    /// The camera's position: u,v, or near a solid x,y,z [default: the middle of the domain; on a solid a point from which
+    /// geodesics go far, usually where the ray along x from the middle of its box leaves it]
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) at: Option<PlaceArgument>,
     /// The angle from the direction of increasing u to the picture's right, towards increasing v
