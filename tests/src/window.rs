@@ -136,7 +136,7 @@ impl Window {
             .is_err()
     }
 
-    /// Waits for the end of its process, or of what it is received.
+    /// Waits for the end of its process, or of the messages to it.
     pub async fn ended(&mut self) {
         while self.receive().await.is_some() {}
     }

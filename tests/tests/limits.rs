@@ -17,7 +17,7 @@ struct Limit {
     what: &'static str,
     most: String,
     why: String,
-    /// What is message, as it stands in the sources; what is in braces is put in there.
+    /// The message, as it stands in the sources; what is in braces is put in there.
     message: &'static str,
     /// How to raise it; empty where nobody needs to.
     raised: &'static str,

@@ -9,7 +9,7 @@
 //! (editor, typing)                        │ (model)           ├─ history, difference: undo, redo
 //!                                         │                   ├─ camera_input: keys, drags, wheel ──▶ motions
 //!                                         │                   └─ clicks: hits ──▶ cameras, declarations
-//!                                         ├─ view: the choices that are kept by name, and between runs
+//!                                         ├─ choices: those that are kept by name, and between runs
 //!                                         ├─ faults, attention: the faults of the text, and when they are shown
 //!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
 //!                                         ├─ motion, path, camera_controller: the motions of the latter

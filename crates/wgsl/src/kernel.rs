@@ -160,8 +160,8 @@ pub fn sample_curve(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Gene
 /// Samples of a surface: instances, `Variable(0)` and `Variable(1)` → positions and normals.
 ///
 /// # Errors
-/// [`GenerateError::TooLarge`] if the expressions or their derivatives have too many operations, [`GenerateError::Internal`] if naga
-/// rejects the joined text.
+/// [`GenerateError::TooLarge`] if the expressions or their derivatives have too many operations,
+/// [`GenerateError::Internal`] if naga rejects the joined text.
 pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
     let (mut graph, roots) = graph.extract(&position);
     let du = graph.derivatives(&roots, Input::Variable(0))?;

@@ -84,7 +84,7 @@ async fn a_window_that_dies_is_reported_once_and_the_command_restarts_it() {
         window.greet().await;
         assert_eq!(window.receive_of("text").await["version"], 2);
 
-        // The command does not wait until the death has been received.
+        // The command does not wait until the death has been reported.
         kill(window.pid);
         window.ended().await;
         command(&mut editor, URI, Value::Null).await;

@@ -34,7 +34,7 @@ async fn a_declaration_is_shown_where_it_stands_now() {
     assert_eq!(asked, json!({ "uri": URI, "takeFocus": true }));
     assert_eq!(editor.quit().await, 0);
 
-    // An editor that cannot be asked is received.
+    // An editor that cannot be asked gets a message.
     let mut editor = Editor::start_with(Place::Here, "preview-plain", Some(&windows.program));
     editor.initialize(json!({})).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
@@ -126,7 +126,7 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
     let edit = &asked["edit"]["documentChanges"][0]["edits"][0];
     assert_eq!(edit["newText"], "0.5");
 
-    // What is refused is received: by the editor, …
+    // What is refused is reported: by the editor, …
     editor.applied = json!({ "applied": false, "failureReason": "it is read-only" });
     window.send(write(json!([0.75]))).await;
     let received = message(&mut editor, "`r` was not written").await;
@@ -172,7 +172,7 @@ async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
     let start = json!({ "line": 0, "character": 13 });
     assert_eq!(edit["range"]["start"], start);
     assert_eq!(edit["range"]["end"]["character"], 31);
-    // What no camera can be is received.
+    // What no camera can be is reported.
     window.send(write("eye", json!([0, 0, 0]))).await;
     message(&mut editor, "not zero").await;
     window.send(write("pi", json!([0, 1, 0]))).await;

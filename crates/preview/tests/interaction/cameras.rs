@@ -440,20 +440,20 @@ curve c(t) = (cos t, sin t, 0), t : [0, 2pi];
 #[test]
 fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
     let mut hand = Hand::on(POINT);
-    let view = hand.window().model().choices.clone();
+    let choices = hand.window().model().choices.clone();
     let at = hand.space().center();
     hand.clicks_at(at, 1);
     hand.until("its declaration is shown", |hand| {
         hand.window().model().highlighted.as_deref() == Some("p")
     });
     hand.settle();
-    assert_eq!(hand.window().model().choices, view, "no camera is moved");
+    assert_eq!(hand.window().model().choices, choices, "no camera is moved");
     hand.harness.event(Event::Text("w".to_owned()));
     hand.hold(Key::W, 4);
     assert_eq!(hand.window().text(), Some(POINT));
     assert_ne!(
         hand.eye().0,
-        view.space.expect("a camera").eye,
+        choices.space.expect("a camera").eye,
         "the view has the keys"
     );
     hand.press(Modifiers::COMMAND, Key::Z);
@@ -533,12 +533,12 @@ fn what_the_text_or_another_hand_has_replaced_no_undo_brings_back() {
         !hand.shows("Geodesic view of s from"),
         "what was closed stays closed"
     );
-    let view = hand.window().model().choices.clone();
+    let choices = hand.window().model().choices.clone();
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
     assert_eq!(
         hand.window().model().choices,
-        view,
+        choices,
         "of r nothing is left to undo"
     );
     hand.press(Modifiers::COMMAND, Key::Y);

@@ -201,9 +201,9 @@ fn a_file_of_version_0_1_is_read_and_written_anew_and_nothing_is_lost() {
         assert!(hand.inside("s").width() > 1.5 * hand.space().width());
         let closed = ["Geodesic view of t from", "Preferences", "make no sense"];
         assert!(closed.iter().all(|part| !hand.shows(part)));
-        let view = &hand.window().model().choices;
-        assert!(view.look("p").hidden && view.preferences.marks.legend);
-        assert_eq!(view.preferences.space_size, Some(300));
+        let choices = &hand.window().model().choices;
+        assert!(choices.look("p").hidden && choices.preferences.marks.legend);
+        assert_eq!(choices.preferences.space_size, Some(300));
     };
     let is_ringed = |hand: &mut Hand| {
         hand.click("Overlays");
