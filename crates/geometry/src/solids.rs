@@ -491,6 +491,12 @@ impl RayScene {
         let staged = self.content.staged.iter();
         let staged = staged.map(|(name, attributes)| (&**name, attributes));
         let background = self.content.background.iter();
+        notes.extend(background.clone().flat_map(|found| {
+            found.faults().map(|fault| RayNote {
+                object: found.name.clone(),
+                fault,
+            })
+        }));
         let background = background.map(|found| (&*found.name, found.attributes()));
         for (object, attributes) in looks.chain(staged).chain(background) {
             let [undefined, clamped] = attributes.faults();

@@ -412,6 +412,39 @@ fn what_is_out_of_range_or_undefined_is_noted() {
 }
 
 #[test]
+fn a_background_without_a_colour_is_noted_where_it_is_seen() {
+    let (up, down) = (DVec3::Z, DVec3::NEG_Z);
+    for (text, seen, fault) in [
+        ("sky(x,y,z) = sqrt z", up, None),
+        (
+            "sky(x,y,z) = sqrt z",
+            down,
+            Some(RayFault::UndefinedBackground),
+        ),
+        ("sky(x,y,z) = (1, z, 1)", up, None),
+        (
+            "sky(x,y,z) = (1, z, 1)",
+            down,
+            Some(RayFault::NegativeBackground),
+        ),
+        ("sky = (-1, 1, 1)", up, Some(RayFault::NegativeBackground)),
+        ("sky = sqrt(0 - 1)", up, Some(RayFault::UndefinedBackground)),
+        // A sky may be brighter than white.
+        ("sky = 1.5", up, None),
+    ] {
+        let compilation = scene::geotrace::compile(&format!("background {text};"));
+        let writer = Writer {
+            scene: Scene::clone(&compilation.scene.expect("a scene")),
+        };
+        let rays = writer.prepared();
+        let light = rays.background(seen, DVec3::ZERO, None);
+        assert!(light.min_element() >= 0.0, "{text}");
+        let faults = rays.notes().into_iter().map(|note| note.fault);
+        assert_eq!(faults.collect::<Vec<_>>(), Vec::from_iter(fault), "{text}");
+    }
+}
+
+#[test]
 fn glass_is_that_of_the_first_leaf_that_has_some() {
     let mut writer = Writer::default();
     let (one, zero) = (writer.number(1.0), writer.number(0.0));

@@ -47,6 +47,10 @@ pub enum RayFault {
     ClampedAttribute(&'static str),
     /// The attribute is one number for a whole solid: its value at the origin is used.
     NotUniform(&'static str),
+    /// The colour of the background is undefined somewhere.
+    UndefinedBackground,
+    /// A component of the background's colour is negative somewhere.
+    NegativeBackground,
     /// An image is not shown: no `uv` specifies its position.
     UnplacedImage,
 }
@@ -150,6 +154,18 @@ impl std::fmt::Display for RayNote {
                 f,
                 "`{word}` of `{name}` is one number for the whole solid: its value at the origin is used"
             ),
+            RayFault::UndefinedBackground => {
+                write!(
+                    f,
+                    "the background `{name}` is undefined somewhere: it is black there"
+                )
+            }
+            RayFault::NegativeBackground => {
+                write!(
+                    f,
+                    "the background `{name}` is negative somewhere: 0 is used there"
+                )
+            }
             RayFault::UnplacedImage => {
                 write!(f, "`{name}` has no `uv`, so its image is not shown")
             }

@@ -3,6 +3,7 @@
 //! In: the declarations of a scene, and the 3D view's defaults where there are none. Out: the data that rays need.
 
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use expr::Input;
 use expr::tape::Tape;
@@ -14,6 +15,7 @@ use tracer::light::{Light, LightKind};
 
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 use super::look::BackgroundImage;
+use super::note::RayFault;
 
 /// One instance of a camera that a scene declares.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,9 @@ pub(super) struct DeclaredBackground {
     turn: f64,
     attributes: AttributeSet,
     picture_look: PictureLook,
+    /// Whether the colour was undefined in a direction, and whether a component of it was negative.
+    was_undefined: AtomicBool,
+    was_negative: AtomicBool,
 }
 
 impl DeclaredBackground {
@@ -126,6 +131,8 @@ impl DeclaredBackground {
             attributes,
             colour,
             picture_look,
+            was_undefined: AtomicBool::default(),
+            was_negative: AtomicBool::default(),
         };
         let mut inputs = found.colour.inputs().iter();
         if !inputs.any(|input| matches!(input, Input::Variable(_))) {
@@ -163,11 +170,30 @@ impl DeclaredBackground {
             &self.uniforms,
             DVec3::from_slice,
         );
-        if colour.is_finite() {
-            self.picture_look.light(colour.max(DVec3::ZERO))
-        } else {
-            DVec3::ZERO
+        let remember = |fault: &AtomicBool| {
+            // Threads share the line of memory: write it once.
+            if !fault.load(Ordering::Relaxed) {
+                fault.store(true, Ordering::Relaxed);
+            }
+        };
+        if !colour.is_finite() {
+            remember(&self.was_undefined);
+            return DVec3::ZERO;
         }
+        if colour.min_element() < 0.0 {
+            remember(&self.was_negative);
+        }
+        self.picture_look.light(colour.max(DVec3::ZERO))
+    }
+
+    /// Returns the deviations of the colour from a colour, in the directions that were evaluated.
+    pub(super) fn faults(&self) -> impl Iterator<Item = RayFault> {
+        let faults = [
+            (&self.was_undefined, RayFault::UndefinedBackground),
+            (&self.was_negative, RayFault::NegativeBackground),
+        ];
+        let found = faults.into_iter();
+        found.filter_map(|(was, fault)| was.load(Ordering::Relaxed).then_some(fault))
     }
 
     pub(super) fn attributes(&self) -> &AttributeSet {
