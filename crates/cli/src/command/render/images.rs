@@ -127,20 +127,20 @@ pub(in crate::command) fn textures(
         let load =
             || Texture::load(&file.path, &budget).map_err(|error| texture_failure(file, error));
         let background = scene.background();
-        if background.is_some_and(|object| object.name == file.object) {
-            refuse_word(file, "background")?;
+        if let Some(object) = background.filter(|object| object.name == file.object) {
+            refuse_word(file, object.shape.kind())?;
             images.background = Some(load()?.into());
             continue;
         }
         let named = scene.objects_named(&file.object);
         let solids = named.filter(|(_, object)| object.shape.solid().is_some());
-        let solids: Vec<ObjectId> = solids.map(|(id, _)| id).collect();
-        if !solids.is_empty() {
-            refuse_word(file, "solid")?;
+        let solids: Vec<(ObjectId, &Object)> = solids.collect();
+        if let Some((_, first)) = solids.first() {
+            refuse_word(file, first.shape.kind())?;
             let image = Shared::from(load()?);
             images
                 .loaded
-                .extend(solids.into_iter().map(|solid| (solid, image.clone())));
+                .extend(solids.into_iter().map(|(id, _)| (id, image.clone())));
             continue;
         }
         let (surface, _) = program.textured(&file.object)?;
