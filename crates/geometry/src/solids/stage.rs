@@ -94,8 +94,9 @@ pub(super) struct DeclaredBackground {
     turn: f64,
     attributes: AttributeSet,
     picture_look: PictureLook,
-    /// Whether the colour was undefined in a direction, and whether a component of it was negative.
+    /// True once the colour was undefined in a direction.
     was_undefined: AtomicBool,
+    /// True once a component of the colour was negative in a direction.
     was_negative: AtomicBool,
 }
 
