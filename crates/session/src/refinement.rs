@@ -150,7 +150,7 @@ mod tests {
             let room = [400, 200];
             size(&preferences, &id, room, moving, traced, shown)
         };
-        let slow = PictureDetail::new([400, 200], 0.088, None);
+        let slow = PictureDetail::new([400, 200], 0.064, None);
         assert_eq!(size(false, false, Some(slow)), [400, 200]);
         assert_eq!(
             size(true, false, Some(slow)),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 use tower_lsp::ls_types::notification::Notification as _;
@@ -90,7 +91,7 @@ pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumen
         window::close_later(&server.session, &uri, left);
     }
     let _turn = server.publishing.lock().await;
-    push(&server.raw_sender, uri, Vec::new(), None).await;
+    push(&server.raw_sender, &uri, &[], None).await;
 }
 
 pub(super) async fn diagnostic(
@@ -111,7 +112,7 @@ pub(super) async fn diagnostic(
         let publishing = server.publishing.clone();
         tasks::spawn(async move {
             let _turn = publishing.lock().await;
-            push(&raw_sender, uri, Vec::new(), None).await;
+            push(&raw_sender, &uri, &[], None).await;
         });
     }
     let (revision, snapshot, known, related) = {
@@ -226,9 +227,8 @@ impl Backend {
             is_current && !session.pulled.contains(uri.as_str())
         };
         if is_wanted {
-            let found = findings.found.clone();
             let version = Some(findings.version);
-            push(&self.raw_sender, uri.clone(), found, version).await;
+            push(&self.raw_sender, uri, &findings.found, version).await;
         }
     }
 
@@ -244,12 +244,23 @@ impl Backend {
 /// Sends the diagnostics of a document to the editor. They are large, so they bypass the protocol's tree of JSON values.
 async fn push(
     raw_sender: &RawSender,
-    uri: lsp::Uri,
-    diagnostics: Vec<lsp::Diagnostic>,
+    uri: &lsp::Uri,
+    diagnostics: &[lsp::Diagnostic],
     version: Option<i32>,
 ) {
-    let params = lsp::PublishDiagnosticsParams::new(uri, diagnostics, version);
+    /// [`lsp::PublishDiagnosticsParams`] without its own copies.
+    #[derive(Serialize)]
+    struct Params<'a> {
+        uri: &'a lsp::Uri,
+        diagnostics: &'a [lsp::Diagnostic],
+        #[serde(skip_serializing_if = "Option::is_none")]
+        version: Option<i32>,
+    }
+    let params = Params {
+        uri,
+        diagnostics,
+        version,
+    };
     let body = notification(lsp::notification::PublishDiagnostics::METHOD, &params);
-    drop(params);
     raw_sender.send_when_room(body).await;
 }
