@@ -3,6 +3,8 @@
 //!
 //! Only this module turns a scene's solid into an [`ImplicitSurface`] for views and commands.
 
+use std::sync::OnceLock;
+
 use geodesic::implicit::{ImplicitSurface, SpaceFrame};
 use geodesic::trace::Options;
 use glam::DVec3;
@@ -17,7 +19,9 @@ use crate::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
 pub struct SolidSurface {
     surface: ImplicitSurface,
     bounds: Option<BoundingBox>,
-    first: Option<[f64; 3]>,
+    rays: RayScene,
+    /// Found when it is first needed: most cameras have a place.
+    first: OnceLock<Option<[f64; 3]>>,
 }
 
 impl SolidSurface {
@@ -76,11 +80,11 @@ impl SolidSurface {
         let size = bounds.map(|bounds| (bounds.upper - bounds.lower).max_element());
         let uniforms = params.first_instance(scene, object);
         let surface = ImplicitSurface::new(&graph, field, &uniforms, size).map_err(too_large)?;
-        let first = first_place(&rays, bounds, &surface);
         Ok(Self {
             surface,
             bounds,
-            first,
+            rays,
+            first: OnceLock::new(),
         })
     }
 
@@ -100,7 +104,8 @@ impl SolidSurface {
     /// as a narrow cut, returns a point of the largest face. If geodesics from there end at once, as beside a double point,
     /// returns a point from which they go far.
     pub fn first_place(&self) -> Option<[f64; 3]> {
-        self.first
+        let find = || first_place(&self.rays, self.bounds, &self.surface);
+        *self.first.get_or_init(find)
     }
 }
 

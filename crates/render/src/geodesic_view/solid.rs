@@ -88,7 +88,7 @@ impl PlacedSolidCamera {
                 )));
             }
         };
-        let Some(near) = at.or(solid.first_place()) else {
+        let Some(near) = at.or_else(|| solid.first_place()) else {
             return Err(RenderError::Camera(format!(
                 "`{name}` has no surface that a ray from its middle hits, so the camera needs a position (x, y, z)"
             )));
