@@ -213,8 +213,12 @@ fn without_lone_surrogates(body: &[u8]) -> Option<Vec<u8>> {
     };
     let mut replaced = None;
     let mut at = 0;
-    while let Some(next) = body[at..].iter().position(|byte| *byte == b'\\') {
-        at += next;
+    let next_escape = |from: usize| {
+        let rest = body.get(from..)?;
+        Some(from + rest.iter().position(|byte| *byte == b'\\')?)
+    };
+    while let Some(escape) = next_escape(at) {
+        at = escape;
         at += match (unit(at), unit(at + 6)) {
             (Some(0xD800..0xDC00), Some(0xDC00..0xE000)) => 12,
             (Some(0xD800..0xE000), _) => {
@@ -225,9 +229,6 @@ fn without_lone_surrogates(body: &[u8]) -> Option<Vec<u8>> {
             // The escaped character, perhaps another backslash, begins no escape.
             _ => 2,
         };
-        if at >= body.len() {
-            break;
-        }
     }
     replaced
 }
