@@ -402,6 +402,16 @@ impl RayScene {
         }
     }
 
+    /// Returns true if the look of a face may depend on the point.
+    pub fn look_varies(&self, face: &Face) -> bool {
+        match face.of {
+            FaceObject::Solid { leaf, .. } => {
+                !matches!(self.content.leaves[leaf].place, FacePlace::Anywhere(_))
+            }
+            FaceObject::Sheet { .. } => true,
+        }
+    }
+
     /// Returns the object that a face belongs to.
     pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
         match *of {

@@ -246,7 +246,8 @@ impl<'a> SolidPainter<'a> {
         let tint = self.tints.get(hit.crossing.solid);
         let factor = tint.map_or([1.0; 3], |tint| tint.colour);
         // A single sample at an edge is one of the four whose mean is taken.
-        let colour = match self.is_smooth && offsets.len() > 1 {
+        let is_averaged = self.is_smooth && offsets.len() > 1 && self.scene.look_varies(&face);
+        let colour = match is_averaged {
             true => self.mean_colour(&face, place, offsets),
             false => look.colour.clamp(DVec3::ZERO, DVec3::ONE),
         };

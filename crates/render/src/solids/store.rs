@@ -177,6 +177,11 @@ impl SolidScene {
         self.rays.look(face, &paint)
     }
 
+    /// Returns true if the look of a face may depend on the point.
+    pub(crate) fn look_varies(&self, face: &Face) -> bool {
+        self.rays.look_varies(face)
+    }
+
     /// Returns the object of each solid of the world.
     pub(crate) fn objects(&self) -> &[ObjectId] {
         &self.objects
