@@ -212,7 +212,12 @@ impl SignChanges {
                 } else {
                     to
                 };
-                let inside_b = value(p, count, b) <= 0.0;
+                let at_b = value(p, count, b);
+                // An extremum that is only rounding has no sign: a triple root is one change, a double root none.
+                if k == 0 && index < critical.count && at_b.abs() <= rounding(p, count, b) {
+                    continue;
+                }
+                let inside_b = at_b <= 0.0;
                 if inside != inside_b {
                     changes.push(root(p, count, [a, b], 0.5 * (a + b), inside));
                 }
@@ -364,6 +369,15 @@ fn degree(p: &[f64]) -> usize {
 
 fn value(p: &Coefficients, degree: usize, s: f64) -> f64 {
     p[..=degree].iter().rev().fold(0.0, |sum, c| sum * s + c)
+}
+
+/// Returns a bound of the error of a value from rounding, that of the coefficients included.
+fn rounding(p: &Coefficients, degree: usize, s: f64) -> f64 {
+    let size = p[..=degree]
+        .iter()
+        .rev()
+        .fold(0.0, |sum, c| sum * s.abs() + c.abs());
+    16.0 * f64::EPSILON * size
 }
 
 /// Returns the root between `a` and `b`, where the signs differ, starting from a point between them.

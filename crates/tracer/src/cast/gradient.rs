@@ -13,15 +13,15 @@ use crate::surface::PolynomialSurface;
 /// The rounding error of a value, as a fraction of the sum of the coefficients' magnitudes: 2⁻⁵⁰.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The maximum error of the direction of a gradient that is used as it is.
-const LARGEST_ERROR: f64 = 1e-3;
+const LARGEST_ERROR: f64 = 5e-6;
 /// The distance over which the change of a gradient is measured, in the frame.
 const STEP: f64 = 1e-4;
-/// The distances of the points beside, in the frame.
-const BESIDE: [f64; 2] = [1e-3, 1e-2];
+/// The distances of the nearer points beside, in the frame; the other ones are twice as far away.
+const BESIDE: [f64; 3] = [1e-3, 3e-3, 1e-2];
 /// A line beside is searched for the surface this many times as far along as it is away.
 const REACH: f64 = 16.0;
 
-/// Returns the gradient at a place of a line; where it is only rounding, the mean of the directions beside.
+/// Returns the gradient at a place of a line; where it is only rounding, its direction as that of points beside tells it.
 pub(super) fn gradient_on(surface: &PolynomialSurface, line: &UnitLine, place: f64) -> DVec3 {
     let at = line.point + place * line.direction;
     let gradient = surface.gradient(at);
@@ -30,12 +30,18 @@ pub(super) fn gradient_on(surface: &PolynomialSurface, line: &UnitLine, place: f
     }
     let (u, v) = line.direction.any_orthonormal_pair();
     let steps = BESIDE.into_iter().flat_map(|step| [step * u, step * v]);
-    let mut means = steps.filter_map(|step| {
+    // The mean of the directions on both sides differs from the direction between them by a multiple of the squared distance,
+    // and by higher powers: two means tell the multiple.
+    let mean = |step: DVec3| {
         let one = direction_beside(surface, at - step, line.direction, step.length())?;
         let other = direction_beside(surface, at + step, line.direction, step.length())?;
-        (one.dot(other) > 0.5).then(|| one + other)
+        (one.dot(other) > 0.5).then(|| 0.5 * (one + other))
+    };
+    let mut directions = steps.filter_map(|step| {
+        let [near, far] = [mean(step)?, mean(2.0 * step)?];
+        Some(near + (near - far) / 3.0)
     });
-    means.next().unwrap_or(gradient)
+    directions.next().unwrap_or(gradient)
 }
 
 /// Returns true if rounding hardly changes the direction of the gradient. With values exact to ε, the surface is exact to
