@@ -41,7 +41,7 @@ use stage::DeclaredBackground;
 
 pub use bodies::{MAX_BODIES, Thickness, stated_radius};
 pub use expand::instance_grids;
-pub use look::{BackgroundImage, FaceImage, Paint};
+pub use look::{BackgroundImage, FaceImage, ImagePart, Paint};
 pub use note::{MissingCuts, RayFault, RayNote};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};

@@ -740,8 +740,14 @@ fn surfaces_have_bumps_and_images() {
             panic!("{face:?}");
         };
         assert!((uv[0] - 0.5).abs() < 1e-12 && (uv[1] - 0.5).abs() < 1e-12);
-        let look = scene.look(&face, &|_, at: [f64; 2]| {
-            Some(DVec3::new(at[0], at[1], 0.0))
+        // A step in space of (0.2, 0, 0) is one of 0.1 in u, which is 0.05 of the image.
+        let footprint = [0.2 * DVec3::X, 0.2 * DVec3::Y];
+        let face = Face { footprint, ..face };
+        let look = scene.look(&face, &|_, part| {
+            let [[ax, ay], [bx, by]] = (part.sides)();
+            assert!((ax - 0.05).abs() < 1e-12 && ay.abs() < 1e-12 && bx.abs() < 1e-12);
+            assert!((by - 0.1).abs() < 1e-12);
+            Some(DVec3::new(part.at[0], part.at[1], 0.0))
         });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);

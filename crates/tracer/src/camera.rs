@@ -124,6 +124,8 @@ pub struct SampleAxes {
 pub struct Sample {
     /// In the pixel, to the right and down.
     pub pixel: [f64; 2],
+    /// The side of the part of the pixel that it stands for beside the samples before it: 1 for the first one, then less.
+    pub side: f64,
     /// On the lens.
     pub lens: [f64; 2],
     /// On lights.
@@ -171,6 +173,7 @@ impl SampleAxes {
                 Some(count) => on_grid(count, sample),
                 None => pair(0),
             },
+            side: 1.0 / (1.0 + f64::from(sample)).sqrt(),
             lens: if self.lens { pair(2) } else { [0.5; 2] },
             light: match (self.lens, self.lights) {
                 (_, false) => [0.5; 2],
@@ -226,6 +229,17 @@ impl CameraFrame {
             DVec3::new(x[0], y[0], z[0]),
             DVec3::new(dx[0], dy[0], dz[0]),
         )
+    }
+
+    /// The angle of a pixel in a unit direction, in radians: the smaller one, where it is not a square.
+    pub(crate) fn pixel_angle(&self, direction: DVec3) -> f64 {
+        match self.camera.projection {
+            LensProjection::Pinhole => {
+                let cosine = direction.dot(self.axes[2]);
+                cosine * cosine * self.tangent * self.pixel
+            }
+            _ => 0.5 * self.camera.fov * self.pixel,
+        }
     }
 
     /// Adds the rays of samples of pixels, which start on no surface.

@@ -8,8 +8,9 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 
-use crate::camera::{CameraFrame, LensCamera, SampleAxes};
-use crate::shade::{LightTracer, Scenery};
+use crate::camera::{CameraFrame, LensCamera, Sample, SampleAxes};
+use crate::line::Ray;
+use crate::shade::{EyeSample, LightTracer, Scenery};
 use crate::threads::run_on;
 
 /// The side of a tile in pixels; its rays of one sample are read together.
@@ -184,21 +185,22 @@ impl LightSums {
         count: u32,
     ) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
-        let (mut samples, mut rays, mut light_samples) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut samples, mut rays, mut eye_samples) = (Vec::new(), Vec::new(), Vec::new());
         let end = self.samples + count;
         for first in (self.samples..end).step_by(SAMPLES_AT_ONCE as usize) {
             samples.clear();
             rays.clear();
-            light_samples.clear();
+            eye_samples.clear();
             for sample in first..end.min(first.saturating_add(SAMPLES_AT_ONCE)) {
                 samples.extend(
                     pixels(self.size, corner).map(|pixel| (pixel, axes.sample(pixel, sample))),
                 );
             }
             camera.add_rays(tracer.processor(), &samples, &mut rays);
-            light_samples.extend(samples.iter().map(|(_, sample)| sample.light));
+            let places = samples.iter().zip(&rays);
+            eye_samples.extend(places.map(|((_, sample), ray)| camera.eye_sample(sample, ray)));
             tracer.begin_tile(rays.len());
-            let lights = tracer.lights(&rays, &light_samples);
+            let lights = tracer.lights(&rays, &eye_samples);
             for lights in lights.chunks(sums.len().max(1)) {
                 for (sum, light) in sums.iter_mut().zip(lights) {
                     *sum += *light;
@@ -237,11 +239,20 @@ pub fn sample_light(
             rays.clear();
             frame.add_rays(tracer.processor(), &samples, &mut rays);
             for (((_, sample), ray), light) in samples.iter().zip(&rays).zip(light) {
-                *light = tracer.light(ray, sample.light);
+                *light = tracer.light(ray, frame.eye_sample(sample, ray));
             }
         }
     });
     light
+}
+
+impl CameraFrame {
+    fn eye_sample(&self, sample: &Sample, ray: &Ray) -> EyeSample {
+        EyeSample {
+            light: sample.light,
+            spread: sample.side * self.pixel_angle(ray.direction),
+        }
+    }
 }
 
 impl SampleAxes {

@@ -20,7 +20,7 @@ use crate::sheet::SheetHit;
 use crate::sheets::Sheets;
 use crate::world::World;
 
-pub use paths::LightTracer;
+pub use paths::{EyeSample, LightTracer};
 
 /// The look of a face at a place; colours are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,8 @@ pub struct Face {
     pub position: DVec3,
     /// The unit normal on the side of the ray's start.
     pub normal: DVec3,
+    /// The sides of the parallelogram around the place, in the tangent plane, for which the ray stands; 0 for the place alone.
+    pub footprint: [DVec3; 2],
     /// The object that the face belongs to.
     pub of: FaceObject,
 }
@@ -180,6 +182,7 @@ impl From<&Crossing> for Face {
             } else {
                 -crossing.normal
             },
+            footprint: [DVec3::ZERO; 2],
             of: FaceObject::Solid {
                 solid: crossing.solid,
                 leaf: crossing.leaf,
@@ -197,6 +200,7 @@ impl Face {
             t: hit.t,
             position: hit.position,
             normal: hit.normal,
+            footprint: [DVec3::ZERO; 2],
             of: FaceObject::Sheet { sheet, uv: hit.uv },
         }
     }

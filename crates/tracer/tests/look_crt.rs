@@ -3,7 +3,7 @@
 use expr::{Graph, Input};
 use glam::{DAffine3, DVec3};
 use tracer::light::{Light, LightKind};
-use tracer::shade::{FaceLook, LightTracer, Scenery};
+use tracer::shade::{EyeSample, FaceLook, LightTracer, Scenery};
 use tracer::{PictureLook, Ray, SetStep, Sheets, WorldBuilder, gamma_encoded};
 
 const ABOVE: DVec3 = DVec3::new(0.25, 0.5, 0.75);
@@ -38,7 +38,7 @@ fn seen(look: FaceLook, lights: &[Light], bounces: u32, ray: Ray) -> DVec3 {
         opaque: &[],
         sides: &[],
     };
-    LightTracer::new(&scenery).light(&ray, [0.5; 2])
+    LightTracer::new(&scenery).light(&ray, EyeSample::default())
 }
 
 #[test]

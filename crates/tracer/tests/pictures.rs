@@ -1,13 +1,14 @@
 //! Samples of pictures: their limits, their parts and their independence of threads.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Mutex;
 
 use expr::{Graph, Input};
 use glam::{DAffine3, DVec3};
 use tracer::camera::{Bokeh, LensCamera, LensProjection};
 use tracer::light::{Light, LightKind};
 use tracer::picture::LightSums;
-use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
+use tracer::shade::{EyeSample, Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
 use tracer::{Ray, SetStep, Sheet, Sheets, World, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
@@ -259,7 +260,11 @@ fn soft_shadows_converge_to_the_visible_share_of_the_light() {
     let mut sum = 0.0;
     for k in 0..count {
         let down = ray(DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
-        sum += tracer.light(&down, axes.sample([1, 1], k).light).x;
+        let sample = EyeSample {
+            light: axes.sample([1, 1], k).light,
+            spread: 0.0,
+        };
+        sum += tracer.light(&down, sample).x;
     }
     // The cosine is that at (0, 0, 4) to within 1/128.
     let mean = sum / f64::from(count);
@@ -302,6 +307,68 @@ fn lenses_have_their_shapes() {
         let close = farthest <= radius + 1e-12 && farthest > 0.95 * radius;
         assert!(close, "{bokeh:?}: {farthest}");
     }
+}
+
+#[test]
+fn footprints_are_what_pixels_meet() {
+    // A floor that mirrors, seen at a slant, and a ceiling that is only seen in it.
+    let [_, _, z] = variables();
+    let world = world(&[z.clone(), 5.0 - z]);
+    let seen: Mutex<Vec<Face>> = Mutex::default();
+    let look = |face: &Face| {
+        seen.lock().expect("no panic").push(*face);
+        FaceLook {
+            mirror: DVec3::ONE,
+            ..FaceLook::default()
+        }
+    };
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
+        look: &look,
+        lights: &[],
+        background: &black,
+        bounces: 1,
+        picture_look: Default::default(),
+        opaque: &[],
+        sides: &[],
+    };
+    let camera = LensCamera {
+        position: 2.0 * DVec3::Z,
+        direction: DVec3::new(1.0, 0.4, -0.7),
+        fov: 0.8,
+        ..camera()
+    };
+    let size = [33; 2];
+    let mut sums = LightSums::new(size);
+    let mut areas = || -> Vec<f64> {
+        assert!(sums.add(&scenery, &camera, None, 1, 1, &|_| true));
+        let faces = std::mem::take(&mut *seen.lock().expect("no panic"));
+        let (floor, ceiling): (Vec<&Face>, Vec<&Face>) =
+            faces.iter().partition(|face| face.normal.z > 0.0);
+        assert_eq!([floor.len(), ceiling.len()], [33 * 33; 2]);
+        assert!(
+            ceiling
+                .iter()
+                .all(|face| face.footprint == [DVec3::ZERO; 2])
+        );
+        let area = |face: &&Face| face.footprint[0].cross(face.footprint[1]).z.abs();
+        floor.iter().map(area).collect()
+    };
+    // The footprints of the first samples fill the part of the floor that the picture shows.
+    let corner = |at: [f64; 2]| {
+        let (origin, direction) = camera.ray(size, at, [0.5; 2]);
+        origin - origin.z / direction.z * direction
+    };
+    let [a, b, c, d] = [[0.0, 0.0], [33.0, 0.0], [33.0, 33.0], [0.0, 33.0]].map(corner);
+    let whole = 0.5 * (c - a).cross(d - b).z.abs();
+    let first = areas();
+    let share = first.iter().sum::<f64>() / whole;
+    assert!((0.8..1.0).contains(&share), "{share}");
+    // With the second one each stands for half of its pixel.
+    let share = areas().iter().sum::<f64>() / first.iter().sum::<f64>();
+    assert!((0.4..0.6).contains(&share), "{share}");
 }
 
 #[test]
@@ -382,7 +449,7 @@ fn sheets_and_solids_are_seen_together() {
     let mut tracer = LightTracer::new(&scenery);
     let mut seen = |x: f64| {
         let ray = ray(DVec3::new(x, -5.0, 0.1), DVec3::Y);
-        tracer.light(&ray, [0.5; 2])
+        tracer.light(&ray, EyeSample::default())
     };
     // Through the pane of glass: the ball, beside it the pane behind.
     assert!((seen(0.2) - 0.8 * DVec3::new(0.5, 1.0, 1.0)).length() < 1e-12);
@@ -422,11 +489,11 @@ fn a_camera_inside_glass_looks_out_of_it() {
     };
     let mut tracer = LightTracer::new(&scenery);
     // From the centre all rays go straight out; 4 % come back each time, and go out in the end.
-    let seen = tracer.light(&ray(DVec3::ZERO, DVec3::X), [0.5; 2]);
+    let seen = tracer.light(&ray(DVec3::ZERO, DVec3::X), EyeSample::default());
     assert!((seen.x - 1.0).abs() < 2e-3, "{seen}");
     // Near the rim, along it: total reflection, again and again.
     let inside = ray(DVec3::new(0.95, 0.0, 0.0), DVec3::Z);
-    let seen = tracer.light(&inside, [0.5; 2]);
+    let seen = tracer.light(&inside, EyeSample::default());
     assert!(seen.x.is_finite() && seen.x <= 1.0 + 1e-12);
 }
 
@@ -537,7 +604,11 @@ fn the_rays_of_a_tile_are_lit_as_each_is_alone() {
         let rays: Vec<Ray> = (0..16)
             .map(|_| ray(eye, (forward + random.vector(spread)).normalize()))
             .collect();
-        let samples: Vec<[f64; 2]> = (0..16).map(|k| [f64::from(k) / 16.0, 0.3]).collect();
+        let sample = |k| EyeSample {
+            light: [f64::from(k) / 16.0, 0.3],
+            spread: 0.0,
+        };
+        let samples: Vec<EyeSample> = (0..16).map(sample).collect();
         let together = LightTracer::new(&scenery).lights(&rays, &samples);
         for ((ray, &sample), light) in rays.iter().zip(&samples).zip(together) {
             let mut alone = LightTracer::new(&scenery);

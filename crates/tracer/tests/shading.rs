@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use tracer::camera::{Bokeh, LensCamera, LensProjection, SampleAxes};
 use tracer::light::{Light, LightKind};
 use tracer::optics::{fresnel, reflected, refracted};
-use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
+use tracer::shade::{EyeSample, Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
 use tracer::srgb;
 use tracer::{Ray, SetStep, Sheet, Sheets, World, WorldBuilder};
 
@@ -118,7 +118,7 @@ fn seen(tracer: &mut LightTracer<'_>, origin: DVec3, direction: DVec3) -> DVec3 
         direction,
         leaving: None,
     };
-    tracer.light(&ray, [0.5; 2])
+    tracer.light(&ray, EyeSample::default())
 }
 
 #[track_caller]

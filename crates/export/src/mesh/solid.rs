@@ -175,6 +175,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
             t: 0.0,
             position: *position,
             normal: *normal,
+            footprint: [DVec3::ZERO; 2],
             of: FaceObject::Solid {
                 solid: 0,
                 leaf,

@@ -14,12 +14,22 @@ use tracer::shade::{Face, FaceLook, Glass};
 
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
-/// Returns the linear colour of an image at a point of it, from (0, 0), the top left, to (1, 1); `None` without an image.
-/// It multiplies the colour of the object.
-pub type Paint<'a> = dyn Fn(FaceImage, [f64; 2]) -> Option<DVec3> + Sync + 'a;
+/// Returns the linear colour of an image at a part of it; `None` without an image. It multiplies the colour of the object.
+pub type Paint<'a> = dyn Fn(FaceImage, &ImagePart<'_>) -> Option<DVec3> + Sync + 'a;
+
+/// A part of an image.
+pub struct ImagePart<'a> {
+    /// The middle, from (0, 0), the top left, to (1, 1).
+    pub at: [f64; 2],
+    /// Returns the sides of a parallelogram around it, 0 for a point.
+    pub sides: &'a dyn Fn() -> [[f64; 2]; 2],
+}
 
 /// Returns the linear colour of the background's image at a point of it, as [`Paint`] does for faces.
 pub type BackgroundImage<'a> = dyn Fn([f64; 2]) -> DVec3 + Sync + 'a;
+
+/// The sides of a part that is a point.
+const POINT: [[f64; 2]; 2] = [[0.0; 2]; 2];
 
 /// The image of a face.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +49,7 @@ pub(super) struct LookProgram {
     /// The linear colour.
     colour: DVec3,
     pub(super) attributes: AttributeSet,
-    /// σu and σv of a parametric surface that has a height.
+    /// σu and σv of a parametric surface that has a height or an image.
     slopes: Option<Tape>,
     is_glass: bool,
 }
@@ -81,9 +91,9 @@ impl LookProgram {
         }
     }
 
-    /// Adds what the slopes of a height need on a parametric surface.
+    /// Adds what the slopes of a height, and the footprints of an image, need on a parametric surface.
     pub(super) fn on_surface(mut self, graph: &Graph, position: &[NodeId; 3]) -> Self {
-        if self.attributes.states(A::Bump) {
+        if self.attributes.states(A::Bump) || self.image.is_some() {
             let (mut graph, roots) = graph.extract(position);
             let mut slopes = Vec::new();
             for k in 0..2 {
@@ -163,18 +173,20 @@ impl LookProgram {
                     });
                 Box::new((look, image))
             });
-            return self.painted(*look, image.map(|at| [at.x, at.y]), paint);
+            let image = image.map(|at| [at.x, at.y]);
+            return self.painted(*look, image, &|| POINT, paint);
         }
-        let variables = |group: usize| match place {
+        let variables_at = |position: DVec3, group: usize| match place {
             FacePlace::Anywhere(_) => [f64::NAN; 3],
-            FacePlace::Within(frames) => frames[group].transform_point3(face.position).to_array(),
+            FacePlace::Within(frames) => frames[group].transform_point3(position).to_array(),
             FacePlace::Along(along) => {
                 let (map, [from, to]) = &**along;
-                let z = map.transform_point3(face.position).z;
+                let z = map.transform_point3(position).z;
                 let share = (0.5 + 0.5 * z).clamp(0.0, 1.0);
                 [from + share * (to - from), f64::NAN, f64::NAN]
             }
         };
+        let variables = |group: usize| variables_at(face.position, group);
         let side = if entering { 1.0 } else { -1.0 };
         let mut look = self.plain();
         let mut image = None;
@@ -188,7 +200,15 @@ impl LookProgram {
                 _ => self.apply(&mut look, numbers),
             }
         });
-        self.painted(look, image.map(|at| [at.x, at.y]), paint)
+        let image = image.map(|at| [at.x, at.y]);
+        let sides = || {
+            let Some(middle) = image else { return POINT };
+            face.footprint.map(|side| {
+                let beside = face.position + side;
+                self.image_side(uniforms, middle, |group| variables_at(beside, group))
+            })
+        };
+        self.painted(look, image, &sides, paint)
     }
 
     /// Returns the look of a parametric surface's face at its parameters.
@@ -219,8 +239,43 @@ impl LookProgram {
                 _ => self.apply(&mut look, numbers),
             });
         let shares = [0, 1].map(|k| (uv[k] - domain[k][0]) / (domain[k][1] - domain[k][0]));
-        let image = image.map_or(shares, |at| [at.x, at.y]);
-        self.painted(look, Some(image), paint)
+        let stated = image.map(|at| [at.x, at.y]);
+        let sides = || {
+            let Some(tape) = &self.slopes else {
+                return POINT;
+            };
+            let tangents = evaluated(tape, &uv, uniforms, |out| {
+                [&out[..3], &out[3..]].map(DVec3::from_slice)
+            });
+            face.footprint.map(|side| {
+                let step = components(tangents, side);
+                match stated {
+                    Some(middle) => {
+                        let beside = [u + step[0], v + step[1], f64::NAN];
+                        self.image_side(uniforms, middle, |_| beside)
+                    }
+                    None => [0, 1].map(|k| step[k] / (domain[k][1] - domain[k][0])),
+                }
+            })
+        };
+        self.painted(look, Some(stated.unwrap_or(shares)), &sides, paint)
+    }
+
+    /// Returns the vector in the image from `middle` to its place at other coordinates, on the shortest way: images repeat.
+    fn image_side(
+        &self,
+        uniforms: &[f64],
+        middle: [f64; 2],
+        variables: impl Fn(usize) -> [f64; 3],
+    ) -> [f64; 2] {
+        let mut side = [0.0; 2];
+        self.attributes.at(uniforms, variables, |numbers| {
+            if numbers.attribute == A::Uv {
+                let at = numbers.vector();
+                side = [at.x - middle[0], at.y - middle[1]].map(|way| way - way.round());
+            }
+        });
+        side
     }
 
     pub(super) fn plain(&self) -> FaceLook {
@@ -244,9 +299,15 @@ impl LookProgram {
         }
     }
 
-    fn painted(&self, mut look: FaceLook, at: Option<[f64; 2]>, paint: &Paint<'_>) -> FaceLook {
+    fn painted(
+        &self,
+        mut look: FaceLook,
+        at: Option<[f64; 2]>,
+        sides: &dyn Fn() -> [[f64; 2]; 2],
+        paint: &Paint<'_>,
+    ) -> FaceLook {
         if let (Some(image), Some(at)) = (self.image, at)
-            && let Some(colour) = paint(image, at)
+            && let Some(colour) = paint(image, &ImagePart { at, sides })
         {
             look.colour *= colour;
         }
@@ -258,6 +319,18 @@ impl FacePlace {
     /// Returns the coordinates of a look that is the same everywhere.
     pub(super) fn anywhere() -> Self {
         Self::Anywhere(OnceLock::new())
+    }
+}
+
+/// Returns the components along u and v of a vector in the plane of the tangents σu and σv; 0 where they span none.
+fn components([along_u, along_v]: [DVec3; 2], vector: DVec3) -> [f64; 2] {
+    let normal = along_u.cross(along_v);
+    let across = normal / normal.length_squared();
+    let components = [vector.cross(along_v), along_u.cross(vector)].map(|area| area.dot(across));
+    if components.iter().all(|c| c.is_finite()) {
+        components
+    } else {
+        [0.0; 2]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use geometry::solids::{FaceImage, RayScene};
+use geometry::solids::{FaceImage, ImagePart, RayScene};
 use glam::DVec3;
 use scene::{Object, ObjectId};
 
@@ -46,14 +46,16 @@ impl FaceImages {
         }
     }
 
-    /// Returns the linear colour of the image of a face at a position from (0, 0), the top left, to (1, 1).
-    pub(super) fn colour(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
+    /// Returns the linear colour of a part of the image of a face.
+    pub(super) fn colour(&self, image: FaceImage, part: &ImagePart<'_>) -> Option<DVec3> {
         let objects = &self.objects;
         let texture = match objects.binary_search_by_key(&image.object, |(id, _)| *id) {
             Ok(found) => &objects[found].1,
             Err(_) => self.stated.get(image.stated?)?.as_ref()?,
         };
-        Some(texel(texture, place))
+        let [across, along] = (part.sides)();
+        let [at, across, along] = [part.at, across, along].map(|it| it.map(|x| x as f32));
+        Some(light(texture.sample(at, across, along)))
     }
 }
 
@@ -77,6 +79,9 @@ pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
 
 /// Returns the linear colour of an image at a position in it.
 pub(super) fn texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
-    let light = texture.sample(place.map(|x| x as f32), [0.0; 2], [0.0; 2]);
-    DVec3::from_array(light.map(f64::from))
+    light(texture.sample(place.map(|x| x as f32), [0.0; 2], [0.0; 2]))
+}
+
+fn light(linear: [f32; 3]) -> DVec3 {
+    DVec3::from_array(linear.map(f64::from))
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use geometry::solids::{
-    BackgroundImage, FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights, srgb,
+    BackgroundImage, FaceImage, ImagePart, RayNote, RayScene, RaySceneOptions, StandardLights, srgb,
 };
 use glam::DVec3;
 use scene::{ObjectId, Scene};
@@ -173,7 +173,7 @@ impl SolidScene {
 
     /// Returns the look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
-        let paint = |image: FaceImage, place: [f64; 2]| self.images.colour(image, place);
+        let paint = |image: FaceImage, part: &ImagePart<'_>| self.images.colour(image, part);
         self.rays.look(face, &paint)
     }
 
@@ -277,8 +277,8 @@ impl TracedScene {
         see: impl FnOnce(&Scenery<'_>) -> R,
     ) -> R {
         let picture_look = self.rays.picture_look();
-        let paint = |image: FaceImage, place: [f64; 2]| {
-            let light = self.images.colour(image, place)?;
+        let paint = |image: FaceImage, part: &ImagePart<'_>| {
+            let light = self.images.colour(image, part)?;
             Some(picture_look.image_light(light))
         };
         let image = self.background.as_deref().map(|image| {

@@ -50,9 +50,31 @@ pub(super) struct Start {
     pub(super) sheet: Option<(usize, [f64; 2])>,
 }
 
+/// What belongs to a ray from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EyeSample {
+    /// The place on lights that have a size, two numbers from 0 to 1.
+    pub light: [f64; 2],
+    /// The angle of the cone of rays for which it stands, in radians: images are averaged over what that cone meets. With 0 the
+    /// ray stands for itself.
+    pub spread: f64,
+}
+
+impl Default for EyeSample {
+    /// The middles of lights, and the ray itself.
+    fn default() -> Self {
+        Self {
+            light: [0.5; 2],
+            spread: 0.0,
+        }
+    }
+}
+
 /// A ray that is followed.
 pub(super) struct LightPath {
     pub(super) ray: Ray,
+    /// The angle of the cone for which it stands; 0 after a face.
+    spread: f64,
     start: Start,
     weight: f64,
     /// The length of the way from the eye to the start.
@@ -151,26 +173,26 @@ impl<'a> LightTracer<'a> {
         self.caster.rays_cut_short()
     }
 
-    /// The light that comes to the start of the ray from its unit direction; `sample` is the place on lights that have a
-    /// size, two numbers from 0 to 1.
-    pub fn light(&mut self, ray: &Ray, sample: [f64; 2]) -> DVec3 {
+    /// The light that comes to the start of the ray from its unit direction.
+    pub fn light(&mut self, ray: &Ray, sample: EyeSample) -> DVec3 {
         let light = self.lights(&[*ray], &[sample]);
         light.first().copied().unwrap_or_default()
     }
 
     /// The light that comes to the start of each ray, as [`LightTracer::light`] has it, in less time the nearer the rays are
     /// to each other.
-    pub fn lights(&mut self, rays: &[Ray], samples: &[[f64; 2]]) -> Vec<DVec3> {
+    pub fn lights(&mut self, rays: &[Ray], samples: &[EyeSample]) -> Vec<DVec3> {
         let paths = rays.iter().zip(samples);
         let paths: Vec<LightPath> = paths
-            .map(|(ray, &light_sample)| LightPath {
+            .map(|(ray, sample)| LightPath {
                 ray: *ray,
+                spread: sample.spread,
                 start: Start::default(),
                 weight: 1.0,
                 length: 0.0,
                 bounces: self.scenery.bounces,
                 media: Vec::new(),
-                light_sample,
+                light_sample: sample.light,
             })
             .collect();
         self.follow(paths)
@@ -254,10 +276,19 @@ impl<'a> LightTracer<'a> {
     }
 
     /// The look of the face that a path has just come to, with the shares of light that go on from there.
-    fn met_face(&mut self, path: &LightPath, number: usize, face: Face, start: Start) -> MetFace {
+    fn met_face(
+        &mut self,
+        path: &LightPath,
+        number: usize,
+        mut face: Face,
+        start: Start,
+    ) -> MetFace {
         let kept = kept(&path.media, face.t);
-        let look = (self.scenery.look)(&face).balanced();
         let direction = path.ray.direction;
+        if path.spread > 0.0 {
+            face.footprint = footprint(path.spread * face.t, direction, face.normal);
+        }
+        let look = (self.scenery.look)(&face).balanced();
         let normal = if look.bump == DVec3::ZERO {
             face.normal
         } else {
@@ -305,6 +336,7 @@ impl<'a> LightTracer<'a> {
                 t: 0.0,
                 position: ray.origin,
                 normal: -ray.direction,
+                footprint: [DVec3::ZERO; 2],
                 of: FaceObject::Solid {
                     solid,
                     leaf: glass.leaf,
@@ -417,6 +449,7 @@ impl<'a> LightTracer<'a> {
                             direction,
                             leaving: met.start.surface,
                         },
+                        spread: 0.0,
                         start: met.start,
                         weight,
                         length: path.length + met.face.t,
@@ -448,6 +481,19 @@ impl<'a> LightTracer<'a> {
         }
         media
     }
+}
+
+/// The sides of the part of a face, with this unit normal, that a beam with a square section of this width along a unit
+/// direction meets.
+fn footprint(width: f64, direction: DVec3, normal: DVec3) -> [DVec3; 2] {
+    let cosine = direction.dot(normal);
+    let across = direction.cross(normal).try_normalize();
+    let across = across.unwrap_or_else(|| normal.any_orthonormal_vector());
+    let along = normal.cross(across);
+    [
+        width * across,
+        width / cosine.abs().max(f64::EPSILON) * along,
+    ]
 }
 
 impl Scenery<'_> {
