@@ -187,6 +187,7 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
         shown: &|_| true,
         colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
+        stage: true,
         picture_look: Default::default(),
     };
     let mut camera = None;

@@ -298,9 +298,8 @@ fn objects(options: &mut Vec<PictureOption>, request: &PictureRequest) {
         if request.flipped.contains(&id) {
             options.add("flip", name.clone());
         }
-        let mut colours = request.colours.iter().rev();
-        if let Some((_, colour)) = colours.find(|(it, _)| *it == id) {
-            options.add("colour", format!("{name}={}", hexadecimal(colour)));
+        if let Some(colour) = request.chosen_colour(id) {
+            options.add("colour", format!("{name}={}", hexadecimal(&colour)));
         }
     }
 }

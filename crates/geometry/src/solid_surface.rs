@@ -58,6 +58,7 @@ impl SolidSurface {
             shown: &|_| true,
             colour: &|_| DVec3::ONE,
             thickness: None,
+            stage: false,
             picture_look: Default::default(),
         };
         let rays = RayScene::of_solid(scene, params, &options, object, &mut { MAX_SHAPE_WORK });

@@ -28,7 +28,6 @@ use std::sync::Arc;
 use expr::Input;
 use glam::DVec3;
 use scene::{GridId, Object, ObjectId, ParamValues, Scene, Shape};
-use syntax::span::Span;
 use tracer::camera::LensCamera;
 use tracer::light::Light;
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass};
@@ -80,6 +79,8 @@ pub struct RaySceneOptions<'a> {
     pub colour: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
     /// The sizes of points, arrows and curves; if `None`, they are omitted.
     pub thickness: Option<Thickness>,
+    /// True if the lights, cameras and the background of the scene are included.
+    pub stage: bool,
     /// The formulas of the picture.
     pub picture_look: PictureLook,
 }
@@ -104,7 +105,7 @@ struct RayContent {
     /// The sides of each leaf; empty if all leaves are seen from both sides.
     sides: Vec<FaceSides>,
     /// The names of the leaves of solids.
-    names: Vec<(String, Span)>,
+    names: Vec<String>,
     sheet_faces: Vec<SheetFace>,
     looks: Vec<LookProgram>,
     /// The images that attributes name.
@@ -131,6 +132,8 @@ struct RaySolid {
     stated_cell: Option<f64>,
     /// True if it is given by a function that does not depend on z, which its declaration need not name.
     is_prism: bool,
+    /// The index of the name of its first leaf.
+    first_name: u32,
 }
 
 /// An object that rays may meet.
@@ -177,8 +180,17 @@ pub struct FaceOwner<'a> {
     pub instance: u64,
     /// The values of the grids that give the object instances, each with its name: one number for each axis.
     pub grids: Vec<(&'a str, &'a [f64])>,
-    /// The leaf of a solid: the name of its function, or of a solid in field form, and the span where the set names it.
-    pub leaf: Option<(&'a str, Span)>,
+    /// The leaf of a solid.
+    pub leaf: Option<LeafOwner<'a>>,
+}
+
+/// A leaf of a declared solid.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct LeafOwner<'a> {
+    /// The name of its function, or of a solid in field form.
+    pub name: &'a str,
+    /// Its position in [`scene::Solid::leaves`].
+    pub index: usize,
 }
 
 impl RayScene {
@@ -243,7 +255,9 @@ impl RayScene {
                 draft.sheets(id, object);
             }
         }
-        draft.stage();
+        if options.stage {
+            draft.stage();
+        }
         draft.finish(builder)
     }
 
@@ -416,14 +430,18 @@ impl RayScene {
     pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
         match *of {
             FaceObject::Solid { solid, leaf, .. } => {
-                let object = &self.content.objects[self.content.solids[solid].object];
+                let solid = &self.content.solids[solid];
+                let object = &self.content.objects[solid.object];
                 let leaf = &self.content.leaves[leaf];
-                let name = leaf.name.map(|name| &self.content.names[name as usize]);
+                let owner = |name: u32| LeafOwner {
+                    name: &self.content.names[name as usize],
+                    index: (name - solid.first_name) as usize,
+                };
                 FaceOwner {
                     object,
                     instance: leaf.instance,
                     grids: object.grids_at(&leaf.uniforms),
-                    leaf: name.map(|(name, span)| (&**name, *span)),
+                    leaf: leaf.name.map(owner),
                 }
             }
             FaceObject::Sheet { sheet, .. } => {
@@ -450,7 +468,7 @@ impl RayScene {
         }
         let names = self.content.names.iter().zip(degrees);
         names
-            .filter_map(|((name, _), degree)| Some((&**name, degree?)))
+            .filter_map(|(name, degree)| Some((&**name, degree?)))
             .collect()
     }
 

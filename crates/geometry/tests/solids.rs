@@ -158,6 +158,7 @@ impl Writer {
                 head_radius: 3.0,
                 head_share: 0.4,
             }),
+            stage: true,
             picture_look: Default::default(),
         };
         RayScene::new(&self.scene, params, &options)
@@ -239,7 +240,10 @@ fn a_cut_shows_the_cutter() {
     assert!(close(&crossings(&scene, &along), &[2.5, 4.0]));
     let face = first(&scene, &along).expect("a face");
     let owner = scene.owner(&face.of);
-    assert_eq!(owner.leaf.map(|(name, _)| name), Some("inner"));
+    assert_eq!(
+        owner.leaf.map(|leaf| (leaf.name, leaf.index)),
+        Some(("inner", 1))
+    );
     assert_eq!(
         (&*owner.object.name, owner.object.kind),
         ("bitten", "solid")
@@ -550,6 +554,7 @@ fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
         shown: &|_| true,
         colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
+        stage: false,
         picture_look: Default::default(),
     };
     let params = ParamValues::initial(&writer.scene);

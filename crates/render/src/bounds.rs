@@ -210,6 +210,7 @@ impl ObjectCloud {
             shown: &|_| true,
             colour: &|_| DVec3::ONE,
             thickness: None,
+            stage: false,
             picture_look: Default::default(),
         };
         let is_solid = |object: &&Object| object.shape.solid().is_some();

@@ -12,8 +12,8 @@ use expr::graph::Node;
 use expr::{Graph, Input, NodeId};
 use scene::ParamValues;
 use scene::{
-    AttributeValue, GeodesicValue, Ground, Object, ObjectId, Sampling, Scene, Shape, Solid,
-    SolidStep,
+    AttributeValue, BoundGrid, GeodesicValue, GridId, Ground, Object, ObjectId, Sampling, Scene,
+    Shape, Solid, SolidStep,
 };
 
 use crate::placement::Placement;
@@ -24,6 +24,8 @@ pub(crate) struct Structure {
     words: Arc<[u64]>,
     /// The uniforms, in the order of their first occurrence.
     uniforms: Vec<u32>,
+    /// The grids over whose values a solid is a union, in the order of their first occurrence.
+    united: Vec<BoundGrid>,
 }
 
 /// An object with the values of its uniforms. Two objects with equal contents have equal samples.
@@ -69,6 +71,7 @@ impl Structure {
         Self {
             words: writer.words.into(),
             uniforms: writer.uniforms,
+            united: writer.united,
         }
     }
 
@@ -89,21 +92,55 @@ impl Structure {
         params: &ParamValues,
         object: &Object,
     ) -> Content {
+        let open = object.grids.iter().filter_map(|&id| {
+            let grid = scene.grids.get(id.0 as usize)?;
+            Some((id, grid.first_uniform))
+        });
+        let open = open.filter(|(id, _)| params.fixed_grid(scene, *id).is_none());
+        self.content(scene, params, open, params.uniforms())
+    }
+
+    /// Returns the content of one instance of the object, from the values of all uniforms.
+    pub(crate) fn instance(
+        &self,
+        scene: &Scene,
+        params: &ParamValues,
+        uniforms: &[f64],
+    ) -> Content {
+        self.content(scene, params, std::iter::empty(), uniforms)
+    }
+
+    /// Returns the content for all values of the `open` grids, each with its first uniform, and for the values of the other
+    /// uniforms.
+    fn content(
+        &self,
+        scene: &Scene,
+        params: &ParamValues,
+        open: impl Iterator<Item = (GridId, u32)>,
+        uniforms: &[f64],
+    ) -> Content {
         let mut words = self.words.to_vec();
-        // The open grids' axes, and the uniform of each.
+        let united = self.united.iter();
+        let united = united.map(|bound| (bound.grid, bound.first_uniform));
+        // The number of the grid and of the axis of each uniform that has all values of an axis.
         let mut of_grid = HashMap::new();
-        for (number, &id) in object.grids.iter().enumerate() {
+        for (number, (id, first_uniform)) in united.chain(open).enumerate() {
             let Some(grid) = scene.grids.get(id.0 as usize) else {
                 continue;
             };
-            if params.fixed_grid(scene, id).is_some() {
-                continue;
-            }
             words.push(WordTag::Grid as u64);
+            let fixed = params.fixed_grid(scene, id);
             for (axis, sampling) in grid.axes.iter().enumerate() {
-                words.push(WordTag::Axis as u64);
-                words.extend(sampling_words(sampling));
-                of_grid.insert(grid.first_uniform + axis as u32, [number, axis]);
+                match fixed {
+                    Some(values) => {
+                        words.extend([WordTag::Value as u64, value(values, axis as u32)])
+                    }
+                    None => {
+                        words.push(WordTag::Axis as u64);
+                        words.extend(sampling_words(sampling));
+                    }
+                }
+                of_grid.insert(first_uniform + axis as u32, [number, axis]);
             }
         }
         for uniform in &self.uniforms {
@@ -111,17 +148,11 @@ impl Structure {
                 Some(place) => words.extend(place.map(|n| n as u64)),
                 None => {
                     words.push(WordTag::Value as u64);
-                    words.push(value(params.uniforms(), *uniform));
+                    words.push(value(uniforms, *uniform));
                 }
             }
         }
         Content(words.into())
-    }
-
-    /// Returns the content of one instance of the object, from the values of all uniforms.
-    pub(crate) fn instance(&self, uniforms: &[f64]) -> Content {
-        let values = self.uniforms.iter().map(|&k| value(uniforms, k));
-        Content(self.words.iter().copied().chain(values).collect())
     }
 }
 
@@ -203,13 +234,14 @@ pub(crate) fn first_instance(
 ) -> Option<Content> {
     let object = scene.get(id)?;
     let structure = structures.get(id.index())?;
-    Some(structure.instance(&params.first_instance(scene, object)))
+    Some(structure.instance(scene, params, &params.first_instance(scene, object)))
 }
 
 struct Writer<'a> {
     graph: &'a Graph,
     words: Vec<u64>,
     uniforms: Vec<u32>,
+    united: Vec<BoundGrid>,
     slots: HashMap<u32, u64>,
     written: HashMap<NodeId, u64>,
 }
@@ -220,6 +252,7 @@ impl<'a> Writer<'a> {
             graph,
             words: Vec::new(),
             uniforms: Vec::new(),
+            united: Vec::new(),
             slots: HashMap::new(),
             written: HashMap::new(),
         }
@@ -254,8 +287,12 @@ impl<'a> Writer<'a> {
                 SolidStep::Instances(grids) => {
                     self.words.extend([4, grids.len() as u64]);
                     for bound in grids {
-                        let words = [bound.grid.0, bound.first_uniform];
-                        self.words.extend(words.map(u64::from));
+                        let known = self.united.iter().position(|it| it == bound);
+                        let number = known.unwrap_or_else(|| {
+                            self.united.push(*bound);
+                            self.united.len() - 1
+                        });
+                        self.words.push(number as u64);
                     }
                 }
             }

@@ -232,7 +232,7 @@ pub(crate) fn declared_camera(rays: &RayScene, name: Option<&str>) -> Option<Len
 }
 
 /// The camera that the scene of a request declares, as the request names it.
-fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
+pub(crate) fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
     if request.scene.stage.is_empty() {
         return None;
     }
@@ -240,6 +240,7 @@ fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
         shown: &|_| false,
         colour: &|_| DVec3::ONE,
         thickness: None,
+        stage: true,
         picture_look: Default::default(),
     };
     let rays = RayScene::new(&request.scene, &request.params, &options);

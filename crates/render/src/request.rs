@@ -197,6 +197,14 @@ impl PictureRequest {
         Some(texture)
     }
 
+    /// Returns the colour, sRGB, that was chosen for an object.
+    pub fn chosen_colour(&self, object: ObjectId) -> Option<[u8; 3]> {
+        let mut chosen = self.colours.iter().rev();
+        chosen
+            .find(|(id, _)| *id == object)
+            .map(|(_, colour)| *colour)
+    }
+
     /// Returns an image that the program names.
     pub(crate) fn image(&self, word: &str) -> Option<&Shared<Texture>> {
         let (_, image) = self.images.iter().find(|(known, _)| known == word)?;

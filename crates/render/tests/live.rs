@@ -11,11 +11,12 @@ use image::RgbaImage;
 use render::counters::WorkCounters;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
+use render::point::PixelPoint;
 use render::request::{Overlays, Spacing};
 use render::viewpoint::{Pose, Viewpoint};
 use render::{Backend, RenderError, RenderedImage, Renderer};
 use scene::ParamValues;
-use scene::{ObjectId, Scene, Shape};
+use scene::{ObjectId, Scene};
 use scenes::{Drawn, Wanted};
 
 const SIZE: [u32; 2] = [120, 90];
@@ -416,28 +417,43 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
             "metric h(u, v) = (1, 0, 1 + u^2), u : [-1, 1, 10], v : [-1, 1, 10];",
             "geodesic g(t) : s = (1, b) @ (0.1, 1), t : [0, 2];",
             "surface q(u, v) = (u, v, 1 / (u - a)), u : [0, 1, 30], v : [0, 1, 30];",
+            "solid d(x, y, z) = (x - 2k_1)^2 + y^2 + (z - k_2)^2 - 0.2 - 0.1b;",
+            "function f(x, y, z) = x^2 + y^2 + z^2 - 1; solid j = f @ (2, 0, a) \\ d & f @ (2, 0, 0);",
+            "solid m = f & f @ (9, 9, 9);",
+            "geodesic i(t) : j = (2, 0, 1) @ (1, b, 0), t : [0, 1];",
+            "light l = 1 / 0 (1, 1, 1);",
         ];
-        for seed in 0..4 {
+        // A piece without another one that it reads is an error.
+        let reads = [(6, 0), (9, 8), (10, 9), (11, 9)];
+        for seed in 0..8 {
             let mut random = Random(seed);
             let mut stage = self::stage(backend);
-            let mut kept = [true; 8];
+            let mut kept = [true; 13];
+            let (mut before, mut last) = ("", 3);
             let (mut scene, mut params) = (None::<Arc<Scene>>, None::<ParamValues>);
             let mut request = Wanted::space(SIZE);
             for step in 0..25 {
                 match (&scene, random.below(4)) {
                     (Some(scene), 0) => {
                         let params = params.as_mut().expect("with its scene");
-                        let name = ["a", "b"][random.below(2)];
-                        params.set(scene, name, &[random.next()]).expect("inside");
+                        match random.below(3) {
+                            0 => params.set(scene, "a", &[random.next()]),
+                            1 => params.set(scene, "b", &[random.next()]),
+                            _ => params.set(scene, "k", &[random.next(), 1.0]),
+                        }
+                        .expect("inside");
                     }
                     (Some(_), 1) => {
                         let [x, y, z] = [(); 3].map(|()| 8.0 * random.next() - 4.0);
                         request = seen_from([x, y, z + 3.0]);
                     }
                     (Some(scene), 2) => {
+                        let inside = |object: &scene::Object| {
+                            object.shape.is_surface() || object.name == "j"
+                        };
                         let surfaces: Vec<usize> = (0..)
                             .zip(&scene.objects)
-                            .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
+                            .filter(|(_, object)| inside(object))
                             .map(|(k, _)| k)
                             .collect();
                         if !surfaces.is_empty() {
@@ -446,18 +462,27 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                         }
                     }
                     _ => {
-                        let flipped = random.below(8);
-                        kept[flipped] = !kept[flipped];
-                        // Without the surface there is no geodesic on it.
-                        let text: String = pieces
-                            .iter()
-                            .zip(kept)
-                            .enumerate()
-                            .filter(|(k, (_, on))| *on && (*k != 6 || kept[0]))
-                            .map(|(_, (piece, _))| *piece)
-                            .collect();
+                        match random.below(4) {
+                            0 => before = ["", "\n\n", "param o = 0.3 : [0, 1]; "][random.below(3)],
+                            1 => last = 2 + random.below(3),
+                            _ => {
+                                let flipped = random.below(13);
+                                kept[flipped] = !kept[flipped];
+                            }
+                        }
+                        let mut on = kept;
+                        for (piece, read) in reads {
+                            on[piece] &= on[read];
+                        }
+                        let pieces = pieces.iter().zip(on).filter(|(_, on)| *on);
+                        let text: String = pieces.map(|(piece, _)| *piece).collect();
+                        let params_of_all = [
+                            "param a : [0, 1]; param b : [0, 1];",
+                            "param b : [0, 1]; param a : [0, 1];",
+                        ];
                         let text = format!(
-                            "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3], [0, 1, 2];{text}"
+                            "{before}{} grid k : [0, 1, {last}], [0, 1, 2];{text}",
+                            params_of_all[random.below(2)]
                         );
                         let (new, opening) = compiled(&text);
                         (scene, params) = (Some(new), Some(opening));
@@ -469,20 +494,28 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                 let (Some(scene), Some(params)) = (&scene, &params) else {
                     continue;
                 };
-                let shot = stage.draw(&request.of(scene, params));
+                let step = format!("seed {seed}, step {step}: {:?}", request.view);
+                let request = request.of(scene, params);
+                let shot = stage.draw(&request);
                 let mut fresh = self::stage(backend);
                 fresh.set_bounds(stage.bounds());
-                let expected = fresh.draw(&request.of(scene, params));
+                let expected = fresh.draw(&request);
                 match (shot, expected) {
                     (Ok(shot), Ok(expected)) => {
-                        assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
+                        assert_eq!(shot.notes, expected.notes, "{step}");
                         let same = image(&stage, &shot) == image(&fresh, &expected);
-                        assert!(same, "seed {seed}, step {step}: {:?}", request.view);
+                        assert!(same, "{step}");
                     }
                     (shot, expected) => {
                         let errors: [Option<RenderError>; 2] = [shot.err(), expected.err()];
-                        assert_eq!(errors[0], errors[1]);
+                        assert_eq!(errors[0], errors[1], "{step}");
                     }
+                }
+                let [width, height] = request.size.map(f64::from);
+                for place in [[0.5, 0.5], [0.4, 0.6], [0.6, 0.4]] {
+                    let at = PixelPoint([width * place[0], height * place[1]]);
+                    let picked = [&mut stage, &mut fresh].map(|it| it.pick(&request, at));
+                    assert_eq!(picked[0], picked[1], "{step}");
                 }
             }
         }

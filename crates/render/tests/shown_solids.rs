@@ -445,6 +445,31 @@ fn a_traced_picture_is_refined_by_the_samples_that_are_missing() {
 }
 
 #[test]
+fn a_target_alone_turns_a_declared_camera() {
+    let scene = scenes::scene(
+        "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;
+        camera eye = (0, 1, 0) @ (0, -6, 0);",
+    );
+    let seen = |target: Option<[f64; 3]>| {
+        let mut options = TracedOptions::default();
+        options.space.camera.target = target.map(Into::into);
+        let params = ParamValues::initial(&scene);
+        let request = PictureRequest::new(&scene, Arc::new(params), options, SIZE);
+        let hit = Renderer::software().pick(&request, PixelPoint([80.0, 60.0]));
+        hit.expect("a picture").map(|hit| hit.object)
+    };
+    let ball = Some(ObjectId::new(0));
+    assert_eq!(
+        [
+            seen(None),
+            seen(Some([0.0; 3])),
+            seen(Some([4.0, 0.0, 0.0]))
+        ],
+        [ball, ball, None]
+    );
+}
+
+#[test]
 fn a_traced_picture_that_takes_too_much_work_is_refused() {
     let mut builder = Builder::of(OTHERS);
     builder.bead();

@@ -86,13 +86,14 @@ fn three(object: &str) -> PictureRequest {
     PictureRequest::new(&scene, params, eye, [3 * SIDE, SIDE])
 }
 
-const OF_THREE: [&str; 5] = [
+const OF_THREE: [&str; 6] = [
     "point p = (k, 0, 0)",
     "vector v = (0, 0.5, 0) @ (k, -0.25, 0)",
     "curve c(t) = (k, t, 0), t : [-0.5, 0.5, 9]",
     "surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3, 5], v : [-0.3, 0.3, 5]",
     "surface plane(u, v) = (u, v, 0), u : [-2, 2, 9], v : [-1, 1, 9], color : 0;
     geodesic g(t) : plane = (0, 1) @ (k, -0.5), t : [0, 1, 9]",
+    "solid ball(x, y, z) = (x - k)^2 + y^2 + z^2 - 0.1",
 ];
 
 /// The channel that is the brightest one at an instance's place.
@@ -158,7 +159,7 @@ fn strokes_have_the_colours_of_their_instances() {
         let layers = render::render_layers(&Views::standard(), &request, &|_| {});
         let strokes = layers.expect("a picture").strokes;
         let colours: Vec<[u8; 3]> = strokes.iter().map(|it| it.colour).collect();
-        if object.starts_with("surface s") {
+        if object.starts_with("surface s") || object.starts_with("solid") {
             assert_eq!(colours, [[0; 3]; 0]);
             continue;
         }
@@ -181,6 +182,29 @@ fn an_instance_is_picked_by_its_number_whatever_its_colour() {
             assert_eq!(hit.map(|hit| hit.instance), Some(expected), "{object}");
         }
     }
+}
+
+#[test]
+fn inside_a_solid_a_stated_colour_wins_and_else_the_last_chosen_one() {
+    let scene = scenes::scene(
+        "solid green(x, y, z) = x^2 + y^2 + z^2 - 1, color : (0.1, 0.8, 0.1);
+        solid plain(x, y, z) = (x - 5)^2 + y^2 + z^2 - 1;",
+    );
+    let params = Arc::new(ParamValues::initial(&scene));
+    let [green, plain] = [0, 1].map(ObjectId::new);
+    let seen = |object: ObjectId, colours: &[(ObjectId, [u8; 3])]| {
+        let options = GeodesicOptions::from(GeodesicCamera::new(object));
+        let mut request = PictureRequest::new(&scene, params.clone(), options, [SIDE; 2]);
+        request.colours = colours.to_vec();
+        image(&mut Renderer::software(), &request)
+    };
+    let [red, blue] = [[255, 0, 0], [0, 0, 255]];
+    assert_eq!(seen(green, &[(green, red)]), seen(green, &[]));
+    assert_eq!(
+        seen(plain, &[(plain, red), (plain, blue)]),
+        seen(plain, &[(plain, blue)])
+    );
+    assert_ne!(seen(plain, &[(plain, blue)]), seen(plain, &[]));
 }
 
 #[test]

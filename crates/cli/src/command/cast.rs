@@ -207,6 +207,7 @@ fn prepared(
         shown: &|_| true,
         colour: &|_| srgb(SOLID_COLOUR),
         thickness: Some(render::style::thickness(bounds.placement.radius)),
+        stage: true,
         picture_look: Default::default(),
     };
     let Some(name) = solid else {
@@ -354,7 +355,7 @@ fn cast<'a>(
             position: crossing.position.to_array(),
             normal: crossing.normal.to_array(),
             solid: &owner.object.name,
-            leaf: owner.leaf.map_or(&*owner.object.name, |(name, _)| name),
+            leaf: owner.leaf.map_or(&*owner.object.name, |leaf| leaf.name),
             entering: crossing.entering,
             grids: GridsJson(owner.grids),
         }
@@ -372,7 +373,7 @@ fn cast<'a>(
             normal: face.outward().to_array(),
             object: &owner.object.name,
             kind: owner.object.kind,
-            leaf: owner.leaf.map(|(name, _)| name),
+            leaf: owner.leaf.map(|leaf| leaf.name),
             grids: GridsJson(owner.grids),
         }
     });

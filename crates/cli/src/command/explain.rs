@@ -186,6 +186,7 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
         shown: &|_| true,
         colour: &|_| srgb(SOLID_COLOUR),
         thickness: None,
+        stage: false,
         picture_look: Default::default(),
     };
     let mut work = MAX_SHAPE_WORK;

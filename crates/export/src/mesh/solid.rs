@@ -66,6 +66,7 @@ pub(super) fn meshed(
         shown: &|_| true,
         colour: &|_| unstated,
         thickness: None,
+        stage: false,
         picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.shape_work);

@@ -99,12 +99,13 @@ impl<'a> Draft<'a> {
             Err(Omission::TooMuchWork) => return self.note(object, RayFault::TooMuchWork),
             Err(_) => return,
         }
+        let first = [self.content.looks.len(), self.content.names.len()].map(|it| it as u32);
         let ray_solid = RaySolid {
             object: self.object(id, object),
             stated_cell: expanded.stated_cell(solid),
             is_prism: is_prism(self.scene, object, solid),
+            first_name: first[1],
         };
-        let first = [self.content.looks.len(), self.content.names.len()].map(|it| it as u32);
         self.add_looks(id, object, solid);
         let glass = self.add_leaves(expanded.leaves, &instances, solid, first);
         let looks = &self.content.looks[first[0] as usize..];
@@ -182,7 +183,7 @@ impl<'a> Draft<'a> {
             let picture_look = self.options.picture_look;
             let look = LookProgram::new(&object.name, image, picture_look, colour, attributes);
             self.content.looks.push(look);
-            self.content.names.push((leaf.name.clone(), leaf.name_span));
+            self.content.names.push(leaf.name.clone());
         }
         if has_unplaced {
             self.note(object, RayFault::UnplacedImage);
@@ -267,6 +268,7 @@ impl<'a> Draft<'a> {
             object: self.object(Some(id), object),
             stated_cell: None,
             is_prism: false,
+            first_name: self.content.names.len() as u32,
         };
         let colour = (self.options.colour)(id);
         let look = LookProgram::new(

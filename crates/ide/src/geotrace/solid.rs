@@ -34,6 +34,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
         shown: &|_| true,
         colour: &|_| DVec3::ONE,
         thickness: None,
+        stage: false,
         picture_look: Default::default(),
     };
     let params = ParamValues::initial(scene);

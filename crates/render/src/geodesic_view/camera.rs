@@ -57,8 +57,6 @@ pub struct PlacedCamera {
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
     pub zoom: f64,
-    /// The uniforms of the surface's first instance.
-    pub uniforms: Vec<f64>,
     /// The method by which geodesics are integrated.
     pub method: PictureMethod,
     /// The maximum error at a pixel, in pixels.
@@ -153,7 +151,6 @@ impl PlacedCamera {
             surface: camera.surface,
             frame,
             zoom,
-            uniforms,
             method: PictureMethod::Fan,
             tolerance: TOLERANCE,
             size,

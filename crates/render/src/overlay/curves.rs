@@ -78,6 +78,10 @@ impl LineColours {
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
 pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<SurfaceCurve> {
     let (scene, params, seen) = (&*request.scene, &*request.params, camera.surface);
+    let of_surface = scene
+        .get(seen)
+        .map(|object| params.first_instance(scene, object));
+    let of_surface = of_surface.unwrap_or_default();
     let mut all = Vec::new();
     let colours = request.instance_colours();
     for (id, object) in scene.geodesics_on(seen) {
@@ -110,10 +114,7 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let mut numbers = Vec::new();
         for instance in 0..instances {
             let uniforms = params.instance(scene, object, instance);
-            if used
-                .iter()
-                .any(|&k| uniforms.get(k) != camera.uniforms.get(k))
-            {
+            if used.iter().any(|&k| uniforms.get(k) != of_surface.get(k)) {
                 continue;
             }
             match evaluator.evaluate(&uniforms) {

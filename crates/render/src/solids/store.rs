@@ -3,7 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use geometry::solids::{
-    BackgroundImage, FaceImage, ImagePart, RayNote, RayScene, RaySceneOptions, StandardLights, srgb,
+    BackgroundImage, FaceImage, FaceOwner, ImagePart, RayNote, RayScene, RaySceneOptions,
+    StandardLights, srgb,
 };
 use glam::DVec3;
 use scene::{ObjectId, Scene};
@@ -12,6 +13,7 @@ use tracer::shade::{Face, FaceLook, Scenery};
 use tracer::{PictureLook, World};
 
 use crate::content::Content;
+use crate::framing::declared_lens;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
 use crate::shared::Shared;
@@ -31,8 +33,8 @@ pub(crate) struct SolidStore {
     pub(crate) built: u64,
 }
 
-/// The solids that a picture shows, each with its content, and the images.
-type ShownContents = (Vec<(ObjectId, Content)>, ImagesKey);
+/// The solids that a picture shows, each with its name and its content, and the images.
+type ShownContents = (Vec<(ObjectId, String, Content)>, ImagesKey);
 
 /// The images of objects: those that were chosen, and those that the program names.
 type ImagesKey = (
@@ -93,8 +95,9 @@ impl SolidStore {
         let objects = request.scene.numbered().zip(contents);
         let shown = objects
             .filter(|((id, object), _)| object.shape.solid().is_some() && !hidden.contains(id));
-        let shown: Vec<(ObjectId, Content)> = shown
-            .map(|((id, _), content)| (id, content.clone()))
+        // Notes contain the name of the solid.
+        let shown: Vec<(ObjectId, String, Content)> = shown
+            .map(|((id, object), content)| (id, object.name.clone(), content.clone()))
             .collect();
         if shown.is_empty() {
             return None;
@@ -105,7 +108,7 @@ impl SolidStore {
         {
             return Some(solids.clone());
         }
-        let is_shown = |id: ObjectId| shown.0.iter().any(|(known, _)| *known == id);
+        let is_shown = |id: ObjectId| shown.0.iter().any(|(known, ..)| *known == id);
         let solids = Arc::new(SolidScene::new(request, &is_shown));
         self.built += 1;
         self.solids = Some((shown, solids.clone()));
@@ -155,6 +158,7 @@ impl SolidScene {
                 shown,
                 colour: &|_| srgb(style::SOLID_COLOUR),
                 thickness: None,
+                stage: false,
                 picture_look: Default::default(),
             },
         );
@@ -187,9 +191,9 @@ impl SolidScene {
         &self.objects
     }
 
-    /// Returns the position of the leaf of a face among those of its solid.
-    pub(crate) fn leaf(&self, scene: &Scene, face: &Face) -> Option<usize> {
-        leaf(&self.rays, scene, face)
+    /// Returns the object to which a face belongs.
+    pub(crate) fn owner(&self, face: &Face) -> FaceOwner<'_> {
+        self.rays.owner(&face.of)
     }
 
     /// Returns sentences about everything that differs from its declaration.
@@ -215,7 +219,7 @@ fn is_framed(rays: &RayScene, request: &PictureRequest) -> bool {
     let objects = &request.scene.objects;
     let mut space = request.view.space().into_iter();
     space.all(|space| space.camera.eye.is_some())
-        || !rays.cameras().is_empty()
+        || declared_lens(request).is_some()
         || rays.bounds().is_some()
         || objects.iter().any(|object| object.shape.solid().is_none())
 }
@@ -235,6 +239,7 @@ impl TracedScene {
                         .map_or(DVec3::ONE, |it| srgb(*it))
                 },
                 thickness: Some(style::thickness(radius * scale)),
+                stage: true,
                 picture_look: key.picture_look,
             },
         );
@@ -302,11 +307,6 @@ impl TracedScene {
             sides: self.rays.sides(),
         })
     }
-
-    /// Returns the position of the leaf of a face among those of its solid.
-    pub(crate) fn leaf(&self, scene: &Scene, face: &Face) -> Option<usize> {
-        leaf(&self.rays, scene, face)
-    }
 }
 
 /// The lights of the 3D view.
@@ -320,11 +320,3 @@ const STANDARD_LIGHTS: StandardLights = StandardLights {
         style::KEY_DIRECTION[2] as f64,
     ),
 };
-
-/// Returns the position of the leaf of a face among those of its solid.
-fn leaf(rays: &RayScene, scene: &Scene, face: &Face) -> Option<usize> {
-    let owner = rays.owner(&face.of);
-    let (_, span) = owner.leaf?;
-    let solid = scene.get(owner.object.id?)?.shape.solid()?;
-    solid.leaves.iter().position(|leaf| leaf.name_span == span)
-}

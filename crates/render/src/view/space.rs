@@ -322,7 +322,7 @@ impl ViewRenderer for SpaceRenderer {
             .solids
             .get(request, &options.hidden, framed.contents());
         if let Some(solids) = solids
-            && let Some(hit) = picked_solid(shared, request, &camera, &solids, picked.as_ref(), at)
+            && let Some(hit) = picked_solid(shared, &camera, &solids, picked.as_ref(), at)
         {
             return Ok(Some(hit));
         }
@@ -481,7 +481,6 @@ fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) 
 /// Returns the solid at a position in the picture, unless the picked object is in front of it.
 fn picked_solid(
     shared: &SharedState,
-    request: &PictureRequest,
     camera: &Camera,
     solids: &SolidScene,
     picked: Option<&software::Picked>,
@@ -495,12 +494,13 @@ fn picked_solid(
         return None;
     }
     let face = Face::from(&hit.crossing);
+    let owner = solids.owner(&face);
     Some(Hit {
         object: *solids.objects().get(hit.crossing.solid)?,
         position: Some(WorldPoint(face.position.to_array())),
         parameters: [0.0; 2],
-        instance: 0,
-        leaf: solids.leaf(&request.scene, &face),
+        instance: owner.instance,
+        leaf: owner.leaf.map(|leaf| leaf.index),
         polar: None,
     })
 }

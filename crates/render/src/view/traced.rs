@@ -526,7 +526,7 @@ impl ViewRenderer for TracedRenderer {
             leaving: None,
         };
         let face = scene.with_scenery(&camera, 0, |scenery| LightTracer::new(scenery).first(&ray));
-        Ok(face.and_then(|face| hit(&scene, request, &face)))
+        Ok(face.and_then(|face| hit(&scene, &face)))
     }
 
     fn camera(
@@ -570,7 +570,7 @@ fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
 fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCamera {
     let declared = space::declared_camera(scene.rays(), options.space.declared.as_deref());
     let viewpoint = &options.space.camera;
-    if let (Some(lens), None) = (declared, viewpoint.eye) {
+    if let (Some(lens), None, None) = (declared, viewpoint.eye, viewpoint.target) {
         return lens;
     }
     let [_, up, back] = space.axes;
@@ -599,7 +599,7 @@ fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCam
 }
 
 /// Returns the object to which a face belongs.
-fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit> {
+fn hit(scene: &TracedScene, face: &Face) -> Option<Hit> {
     let owner = scene.rays().owner(&face.of);
     let parameters = match face.of {
         FaceObject::Sheet { uv, .. } => uv,
@@ -610,7 +610,7 @@ fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit
         position: Some(WorldPoint(face.position.to_array())),
         parameters,
         instance: owner.instance,
-        leaf: scene.leaf(&request.scene, face),
+        leaf: owner.leaf.map(|leaf| leaf.index),
         polar: None,
     })
 }

@@ -107,7 +107,7 @@ impl MapCache {
     ) -> Result<PlacedCamera, RenderError> {
         let (scene, params) = (&request.scene, &request.params);
         let surface = |id: ObjectId, uniforms: &[f64]| {
-            let key = structures[id.index()].instance(uniforms);
+            let key = structures[id.index()].instance(scene, params, uniforms);
             if let Some(surface) = self.surfaces.get(&key) {
                 return Ok(surface);
             }
@@ -154,8 +154,8 @@ type SolidMap = (PlacedSolidCamera, Map<3>);
 #[derive(Debug)]
 pub(super) struct SolidMapCache {
     /// The most recently used one is last.
-    solids: Vec<(SolidKey, Arc<SolidSurface>)>,
-    maps: Vec<(SolidMapKey, Arc<SolidMap>)>,
+    solids: Vec<(Content, Arc<SolidSurface>)>,
+    maps: Vec<(MapKey, Arc<SolidMap>)>,
     geodesics: Cache<(Content, [u64; 3]), Arc<FollowedGeodesic>>,
 }
 
@@ -169,12 +169,6 @@ impl Default for SolidMapCache {
     }
 }
 
-/// A solid with its numbers and the grids that have a value.
-type SolidKey = (Content, Vec<u64>);
-
-/// A map's key, with the grids that have a value.
-type SolidMapKey = (MapKey, Vec<u64>);
-
 impl SolidMapCache {
     /// Returns the map of a request's camera; its geodesics are followed if it is not cached.
     ///
@@ -187,9 +181,8 @@ impl SolidMapCache {
         options: &GeodesicOptions,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Arc<SolidMap>, RenderError> {
-        let (surface, fixed) = key(shared, request, options)?;
         let key = MapKey {
-            surface,
+            surface: key(shared, request, options)?,
             options: GeodesicOptions {
                 mark_centre: true,
                 ..options.clone()
@@ -197,7 +190,6 @@ impl SolidMapCache {
             size: request.size,
             moving: request.moving,
         };
-        let key = (key, fixed);
         if let Some(map) = used(&mut self.maps, &key) {
             return Ok(map);
         }
@@ -275,23 +267,14 @@ impl SolidMapCache {
     }
 }
 
-/// Returns the content of a solid, and the values of fixed grids: everything on which it depends.
+/// Returns the content of a solid, everything on which it depends.
 fn key(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &GeodesicOptions,
-) -> Result<SolidKey, RenderError> {
+) -> Result<Content, RenderError> {
     let (scene, params) = (&request.scene, &request.params);
     let structures = shared.structures.get(scene.arc());
     let content = first_instance(scene, params, &structures, options.camera.surface);
-    let content = content.ok_or(ManifoldError::NoSurface { name: None })?;
-    let grids = (0..scene.grids.len() as u32).map(scene::GridId);
-    let fixed = grids.flat_map(|id| {
-        let values = params.fixed_grid(scene, id).unwrap_or(&[f64::NAN]);
-        values
-            .iter()
-            .map(|value| value.to_bits())
-            .collect::<Vec<_>>()
-    });
-    Ok((content, fixed.collect()))
+    Ok(content.ok_or(ManifoldError::NoSurface { name: None })?)
 }

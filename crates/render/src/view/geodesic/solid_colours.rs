@@ -94,11 +94,8 @@ pub(super) fn resolve_solid(
         let colour = scene.look(&face).colour.clamp(DVec3::ZERO, DVec3::ONE);
         colour.to_array().map(|c| c as f32)
     };
-    let chosen = request
-        .colours
-        .iter()
-        .find(|(id, _)| *id == object)
-        .map(|(_, colour)| style::linear(*colour));
+    let chosen = request.chosen_colour(object).map(style::linear);
+    let chosen = chosen.filter(|_| !request.keeps_stated_colour(object));
     let one = (!varies(request, object)).then(|| colour(camera.frame.at));
     let one = one.map(|own| chosen.unwrap_or(own));
     let checker = CheckerBoard::new(camera.solid().bounds());
