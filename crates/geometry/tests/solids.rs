@@ -456,6 +456,9 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
     let here = writer.identity();
     let [share, none, index, other] = [0.9, 0.0, 1.33, 2.0].map(|value| writer.number(value));
     let aside = writer.moved([one, zero, zero]);
+    // Another attribute may vary, and be undefined at 0, where no face is.
+    let [x, _, _] = writer.variables();
+    let varied = writer.scene.graph.div(one, x);
     let mut leaves = vec![
         writer.leaf("stone", ball, here),
         writer.leaf("water", ball, aside),
@@ -463,10 +466,12 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
     leaves[0].attributes = Arc::new(vec![
         stated("glass", &[none], None),
         stated("ior", &[other], None),
+        stated("shininess", &[varied], None),
     ]);
     leaves[1].attributes = Arc::new(vec![
         stated("glass", &[share], None),
         stated("ior", &[index], None),
+        stated("shininess", &[varied], None),
     ]);
     let steps = [SolidStep::Leaf(0), SolidStep::Leaf(1), SolidStep::Union];
     writer.solid("both", leaves, &steps, &[]);
@@ -477,6 +482,7 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
     assert_eq!((glass.ior, glass.depth), (1.33, 1.0));
     let water = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
     assert_eq!((water.glass, water.colour), (0.9, DVec3::ONE));
+    assert_eq!(scene.notes(), []);
 }
 
 #[test]

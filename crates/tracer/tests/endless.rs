@@ -124,6 +124,31 @@ fn unpaired(found: &[Vec<(f64, bool)>]) -> usize {
 }
 
 #[test]
+fn an_endless_field_is_searched_wherever_it_is_cut() {
+    // Nothing bounds them along x and y: `rest` is the box of nothing, with the radius 1.
+    let [x, y, z] = variables();
+    let slab = |from: f64, to: f64| (&z - 0.5 * (from + to)).abs() - 0.5 * (to - from);
+    let waves = |k: f64| (k * z.clone()).sin();
+    let cases = [
+        // 0.2 sin(1.5) sin(−1.5) − 0.1 < 0.
+        (
+            0.2 * (3.0 * x.clone()).sin() * (3.0 * y.clone()).sin() - 0.1,
+            slab(200.0, 201.0),
+            2,
+        ),
+        (waves(200.0), slab(20.0, 21.0), 64),
+        (waves(100.0), slab(50.0, 51.0), 34),
+        (&waves(1.0) + 0.5, slab(-1000.0, 1000.0), 638),
+    ];
+    for (k, (field, slab, count)) in cases.iter().enumerate() {
+        let from = ray([0.5, -0.5, -2500.0], [0.0, 0.0, 1.0]);
+        let found = crossings(BOTH, &[vec![field, slab]], &[from]);
+        assert_eq!(unpaired(&found), 0, "{k}");
+        assert_eq!(found[0].len(), *count, "{k}: {:?}", found[0].last());
+    }
+}
+
+#[test]
 fn cut_leaves_are_entered_and_left() {
     let variables = variables();
     let [x, y, z] = &variables;

@@ -255,9 +255,8 @@ impl AttributeSet {
 
     /// Returns true if the values of the attribute depend on the point.
     pub(super) fn varies_by(&self, attribute: A) -> bool {
-        let varying = |group: &&AttributeGroup| group.varying.is_some();
-        let mut groups = self.groups.iter().filter(varying);
-        groups.any(|group| group.slots.iter().any(|slot| slot.attribute == attribute))
+        let mut slots = self.groups.iter().flat_map(|group| &group.slots);
+        slots.any(|slot| slot.varies && slot.attribute == attribute)
     }
 
     /// Returns the attributes that depend on the point.
@@ -307,6 +306,17 @@ impl AttributeSet {
         &self,
         uniforms: &[f64],
         variables: impl Fn(usize) -> [f64; 3],
+        found: impl FnMut(&AttributeNumbers),
+    ) {
+        self.of(|_| true, uniforms, variables, found);
+    }
+
+    /// Passes the numbers of the `wanted` attributes to `found`, as [`AttributeSet::at`] does for all.
+    pub(super) fn of(
+        &self,
+        wanted: impl Fn(A) -> bool,
+        uniforms: &[f64],
+        variables: impl Fn(usize) -> [f64; 3],
         mut found: impl FnMut(&AttributeNumbers),
     ) {
         for (k, group) in self.groups.iter().enumerate() {
@@ -317,7 +327,8 @@ impl AttributeSet {
             };
             let mut all: [Option<AttributeNumbers>; ALL.len()] = [None; ALL.len()];
             evaluated(&group.tape, &place, uniforms, |out| {
-                for (slot, into) in group.slots.iter().zip(&mut all) {
+                let slots = group.slots.iter().filter(|slot| wanted(slot.attribute));
+                for (slot, into) in slots.zip(&mut all) {
                     *into = self.read(slot, k, out);
                 }
             });

@@ -124,7 +124,9 @@ impl LookProgram {
         }
         let mut glass = Glass::default();
         let mut share = None;
-        self.attributes.at(
+        // The other attributes are not evaluated at 0: no face need be there.
+        self.attributes.of(
+            |attribute| matches!(attribute, A::Ior | A::Depth | A::Glass),
             uniforms,
             |_| [0.0; 3],
             |numbers| match numbers.attribute {

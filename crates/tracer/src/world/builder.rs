@@ -77,7 +77,7 @@ pub(super) struct PlacedShape {
 /// The fraction by which the box of a leaf is enlarged beyond its known bounds: the roots of its surface may be outside by
 /// rounding errors, which are smaller unless the roots are nearly multiple.
 const ROOM: f64 = 1e-8;
-/// An unbounded field is searched within this number of radii of the bounded part of the scene.
+/// An unbounded field is searched within this number of radii of the bounded part of the scene along each axis without bounds.
 const RADII: f64 = 64.0;
 /// The work of preparing a surface that bounds a leaf, in operations.
 const PIECE_WORK: u64 = 24;
@@ -394,7 +394,7 @@ impl WorldDraft<'_> {
         let has_fields = compiled.pieces.iter().any(is_field);
         let bounds = clip.if_finite().map(|bounds| bounds.with_room(ROOM));
         let ends = bounds.is_some();
-        let bounds = bounds.or_else(|| has_fields.then(|| wide(&self.rest)));
+        let bounds = bounds.or_else(|| has_fields.then(|| searched(&clip, &self.rest)));
         self.boxes.push(bounds);
         let world_from_unit = map * compiled.shape_from_unit;
         let first_piece = self.piece_count;
@@ -496,14 +496,22 @@ fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
         .collect()
 }
 
-/// Returns the box within which unbounded fields are searched.
-fn wide(rest: &BoundingBox) -> BoundingBox {
-    let radius = 0.5 * (rest.upper - rest.lower).length();
-    let centre = rest.centre();
-    BoundingBox {
-        lower: centre - RADII * radius,
-        upper: centre + RADII * radius,
-    }
+/// Returns the box within which a field is searched that does not matter outside `clip`, some of whose sides are at infinity.
+fn searched(clip: &BoundingBox, rest: &BoundingBox) -> BoundingBox {
+    let radius = RADII * 0.5 * (rest.upper - rest.lower).length();
+    let axis = |k: usize| {
+        let [lower, upper] = [clip.lower[k], clip.upper[k]];
+        let centre = rest.centre()[k].max(lower).min(upper);
+        let room = ROOM * radius;
+        match (lower.is_finite(), upper.is_finite()) {
+            (true, true) => [lower - room, upper + room],
+            _ => [
+                (lower - room).max(centre - radius),
+                (upper + room).min(centre + radius),
+            ],
+        }
+    };
+    BoundingBox::of_ranges([0, 1, 2].map(axis))
 }
 
 impl From<TooLarge> for BuildError {
