@@ -93,6 +93,7 @@ pub(crate) struct RenderThread {
 #[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum JobKey {
     Renderer,
+    Program,
     Question(u64),
     Pointer,
     Pane(ViewId),
@@ -113,6 +114,7 @@ enum Rank {
 #[derive(Debug)]
 enum Job {
     Move(Box<Renderer>),
+    BeginProgram,
     Draw(Box<VersionedRequest>),
     Pick(Box<PictureRequest>, [f64; 2], Purpose),
     Frame(Box<PictureRequest>),
@@ -142,6 +144,12 @@ impl RenderThread {
         self.has_used_gpu |= renderer.gpu().is_some();
         let job = Job::Move(Box::new(renderer));
         self.queue.push(Rank::Renderer as u8, JobKey::Renderer, job);
+    }
+
+    /// Begins with another program, whose pictures have bounds of their own.
+    pub(crate) fn begin_program(&self) {
+        let rank = Rank::Renderer as u8;
+        self.queue.push(rank, JobKey::Program, Job::BeginProgram);
     }
 
     /// Requests a picture, replacing a request of the same pane that has not been started.
@@ -221,6 +229,10 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
         let event = match (answer, key, job) {
             (_, _, Job::Move(renderer)) => {
                 worker.move_to(*renderer);
+                continue;
+            }
+            (_, _, Job::BeginProgram) => {
+                worker.begin_program();
                 continue;
             }
             (Ok(Some(event)), ..) => event,

@@ -119,9 +119,16 @@ impl Worker {
         }
     }
 
-    /// Finds the camera that sees everything.
+    /// Finds the camera that sees everything; the next pictures are drawn in the bounds of their scene.
     pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<SpaceCamera> {
-        self.framing.of_everything(request)
+        let camera = self.framing.of_everything(request)?;
+        self.renderer.set_bounds(None);
+        Some(camera)
+    }
+
+    /// Begins with another program: its pictures are drawn in its own bounds.
+    pub(super) fn begin_program(&mut self) {
+        self.renderer.set_bounds(None);
     }
 
     /// Draws a picture. Returns it with the camera that sees everything, if the request specifies none.
@@ -140,5 +147,61 @@ impl Worker {
         drawn.image = pixels;
         drawn.took = start.elapsed();
         Ok((drawn, home))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use render::request::part::SpaceOptions;
+    use scene::ParamValues;
+    use session::reader::{Reader, SourceText};
+
+    use super::*;
+
+    /// The bytes of a picture of a program, seen from one place.
+    fn drawn(worker: &mut Worker, text: &str) -> Vec<u8> {
+        let languages = ide::Languages::standard();
+        let read = Reader::default().read(&SourceText {
+            language: languages.default_language().as_ref(),
+            text,
+            changes: None,
+        });
+        let scene = read.program.scene.expect("a scene");
+        let options = SpaceOptions::seen_from([3.0, -4.0, 3.0], [0.0; 3]);
+        let params = Arc::new(ParamValues::initial(&scene));
+        let request = VersionedRequest {
+            picture: PictureRequest::new(&scene, params, options, [160, 120]),
+            version: 1,
+        };
+        let pane = ViewId::of_scene("3d");
+        match worker.draw(&pane, &request) {
+            Some(RenderEvent::Drawn {
+                picture: Ok(picture),
+                ..
+            }) => match picture.image {
+                Pixels::Image(image) => image.into_raw(),
+                Pixels::Texture(_) => panic!("in memory"),
+            },
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn another_program_is_drawn_in_its_own_bounds() {
+        let never = Interrupt::new(|| false);
+        let worker = || Worker::new(Renderer::software(), never.clone());
+        let (wide, narrow) = (
+            "point p = (2, 2, 2); point q = -p;",
+            "point p = (1.2, 1.2, 1.2); point q = -p;",
+        );
+        let mut one = worker();
+        drawn(&mut one, wide);
+        let edited = drawn(&mut one, narrow);
+        one.begin_program();
+        let opened = drawn(&mut one, narrow);
+        assert!(opened == drawn(&mut worker(), narrow));
+        assert!(opened != edited, "an edit keeps the size of a point");
     }
 }

@@ -92,6 +92,7 @@ impl Pictures {
         for (pane, _) in std::mem::take(&mut self.of_views) {
             self.render_thread.forget(&pane);
         }
+        self.render_thread.begin_program();
     }
 
     /// Drops the requests of panes that are not on the screen. Returns whether there were any.

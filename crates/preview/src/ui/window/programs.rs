@@ -226,12 +226,13 @@ impl Window {
         }
         self.records.view_store = None;
         self.forget_click();
+        // First the program: choices for it would have it run again.
+        self.model.forget_program();
         let preferences = self.model.choices.preferences.clone();
         self.model.turn_to(Choices {
             preferences,
             ..Choices::default()
         });
-        self.model.forget_program();
         let first = ViewId::of_scene(self.views.first().name());
         self.focus.view.clone_from(&first);
         self.focus.surface = None;
