@@ -82,17 +82,21 @@ impl Camera {
             }),
             opening: None,
         };
-        let target_or_centre = target.map_or(DVec3::ZERO, local);
-        let back = match eye {
-            Some(eye) => local(eye) - target_or_centre,
-            None => first_direction(bounds),
+        let back = match (eye, target) {
+            // In the scene's units, which a large scene takes no digits from.
+            (Some(eye), Some(target)) => {
+                (DVec3::from(eye.0) - DVec3::from(target.0)) / placement.radius
+            }
+            (Some(eye), None) => local(eye),
+            (None, _) => first_direction(bounds),
         };
         let distance = back.length();
         if !distance.is_finite() {
             let sentence = "the camera is too far from its target";
             return Err(RenderError::Camera(sentence.to_owned()));
         }
-        if distance <= 1e-9 {
+        // Without a target it is the scene's centre, which is exact to rounding.
+        if distance <= if target.is_some() { 0.0 } else { 1e-9 } {
             let sentence = "the camera is at its target and has no direction";
             return Err(RenderError::Camera(sentence.to_owned()));
         }

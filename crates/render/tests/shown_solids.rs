@@ -470,6 +470,20 @@ fn a_target_alone_turns_a_declared_camera() {
 }
 
 #[test]
+fn a_camera_may_be_near_its_target_in_a_very_large_scene() {
+    let scene = scenes::scene(
+        "solid far(x, y, z) = (x - 10^12)^2 + y^2 + z^2 - 1;
+        solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;
+        camera eye = (0, 1, 0) @ (0, -6, 0);",
+    );
+    let params = ParamValues::initial(&scene);
+    let request = PictureRequest::new(&scene, Arc::new(params), TracedOptions::default(), SIZE);
+    let hit = Renderer::software().pick(&request, PixelPoint([80.0, 60.0]));
+    let object = hit.expect("a picture").map(|hit| hit.object);
+    assert_eq!(object, Some(ObjectId::new(1)));
+}
+
+#[test]
 fn a_traced_picture_that_takes_too_much_work_is_refused() {
     let mut builder = Builder::of(OTHERS);
     builder.bead();
