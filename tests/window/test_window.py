@@ -365,7 +365,7 @@ class Controls(OnScreen):
         window.drag((left + 8, top + height / 2), (50, 0))
         after = window.settle()
         self.assertGreater(after["pictures"], before["pictures"])
-        self.assertEqual(after["looks"], before["looks"])
+        self.assertEqual(after["followed"], before["followed"])
 
     def test_a_click_places_the_geodesic_camera_and_the_text_can_be_typed(self):
         window = self.open(SPHERE)

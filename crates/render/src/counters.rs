@@ -12,7 +12,7 @@ pub struct WorkCounters {
     /// Objects whose samples were computed.
     pub sampled: u64,
     /// Geodesic views whose geodesics were followed.
-    pub looks: u64,
+    pub followed: u64,
     /// Pixels of geodesic views whose ends were computed on the CPU, for colours or for overlays.
     pub ends: u64,
     /// Rows of up to eight pixels for which the distances to a straight piece of an overlay line were computed.

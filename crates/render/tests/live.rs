@@ -1,4 +1,4 @@
-//! A stage's pictures against those that are made from scratch, and what it makes for them, by the software path and on a
+//! A renderer's pictures against those that are made from scratch, and what it makes for them, by the software path and on a
 //! GPU. The latter needs one, or software Vulkan (`mesa-vulkan-drivers` on Debian); without it these tests fail rather
 //! than pass unrun.
 
@@ -58,15 +58,15 @@ fn twenty(edited: Option<usize>) -> String {
 
 const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
-fn stage(backend: Backend) -> Renderer {
+fn renderer(backend: Backend) -> Renderer {
     match backend {
         Backend::Gpu => Renderer::on_gpu(Gpu::shared().expect("a GPU or software Vulkan")),
         _ => Renderer::software(),
     }
 }
 
-fn image(stage: &Renderer, shot: &RenderedImage) -> RgbaImage {
-    match (&shot.image, stage.gpu()) {
+fn image(renderer: &Renderer, drawn: &RenderedImage) -> RgbaImage {
+    match (&drawn.image, renderer.gpu()) {
         (Pixels::Image(image), _) => image.clone(),
         (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu).expect("the device is there"),
         (Pixels::Texture(_), None) => panic!("a canvas without a device"),
@@ -94,7 +94,7 @@ fn made(before: WorkCounters, after: WorkCounters) -> WorkCounters {
         pictures: after.pictures - before.pictures,
         pipelines: after.pipelines - before.pipelines,
         sampled: after.sampled - before.sampled,
-        looks: after.looks - before.looks,
+        followed: after.followed - before.followed,
         ends: after.ends - before.ends,
         distances: after.distances - before.distances,
         worlds: after.worlds - before.worlds,
@@ -131,18 +131,18 @@ fn a_stage_draws_what_a_single_picture_shows() {
         let inside = inside.filter(|(_, object)| object.shape.manifold().is_some());
         requests.extend(inside.map(|(k, _)| Wanted::geodesic(ObjectId::new(k), [49, 40])));
         for backend in BACKENDS {
-            let mut stage = stage(backend);
+            let mut renderer = renderer(backend);
             for request in &requests {
-                let shot = stage.draw(&request.of(&scene, &params));
+                let drawn = renderer.draw(&request.of(&scene, &params));
                 match alone(backend, &scene, &params, request) {
                     Ok(picture) => {
-                        let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
-                        assert_eq!(shot.notes, picture.notes, "{name}");
-                        assert_eq!(shot.overlays, picture.overlays, "{name}");
-                        let same = image(&stage, &shot) == picture.image;
+                        let drawn = drawn.unwrap_or_else(|error| panic!("{name}: {error}"));
+                        assert_eq!(drawn.notes, picture.notes, "{name}");
+                        assert_eq!(drawn.overlays, picture.overlays, "{name}");
+                        let same = image(&renderer, &drawn) == picture.image;
                         assert!(same, "{name}, {backend:?}: {:?}", request.view);
                     }
-                    Err(error) => assert_eq!(shot.err(), Some(error), "{name}"),
+                    Err(error) => assert_eq!(drawn.err(), Some(error), "{name}"),
                 }
             }
         }
@@ -153,25 +153,27 @@ fn a_stage_draws_what_a_single_picture_shows() {
 fn a_camera_move_and_the_same_request_again_sample_nothing() {
     for backend in BACKENDS {
         let (scene, params) = compiled(&twenty(None));
-        let mut stage = stage(backend);
-        stage
+        let mut renderer = renderer(backend);
+        renderer
             .draw(&Wanted::space(SIZE).of(&scene, &params))
             .expect("a picture");
-        let before = stage.counters();
-        assert_eq!((before.sampled, before.looks), (20, 0));
+        let before = renderer.counters();
+        assert_eq!((before.sampled, before.followed), (20, 0));
         for request in [
             seen_from([30.0, 20.0, 10.0]),
             seen_from([-30.0, 20.0, 10.0]),
             Wanted::space([60, 60]),
             Wanted::space(SIZE),
         ] {
-            stage.draw(&request.of(&scene, &params)).expect("a picture");
+            renderer
+                .draw(&request.of(&scene, &params))
+                .expect("a picture");
         }
         let expected = WorkCounters {
             pictures: 4,
             ..WorkCounters::default()
         };
-        assert_eq!(made(before, stage.counters()), expected);
+        assert_eq!(made(before, renderer.counters()), expected);
     }
 }
 
@@ -179,21 +181,25 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
 fn a_param_samples_only_what_reads_it() {
     for backend in BACKENDS {
         let (scene, mut params) = compiled(&twenty(None));
-        let mut stage = stage(backend);
+        let mut renderer = renderer(backend);
         let request = Wanted::space(SIZE);
-        stage.draw(&request.of(&scene, &params)).expect("a picture");
+        renderer
+            .draw(&request.of(&scene, &params))
+            .expect("a picture");
         for step in 1..=10 {
-            let before = stage.counters();
+            let before = renderer.counters();
             params
                 .set(&scene, "a7", &[0.1 * f64::from(step)])
                 .expect("inside the interval");
-            stage.draw(&request.of(&scene, &params)).expect("a picture");
+            renderer
+                .draw(&request.of(&scene, &params))
+                .expect("a picture");
             let expected = WorkCounters {
                 pictures: 1,
                 sampled: 1,
                 ..WorkCounters::default()
             };
-            assert_eq!(made(before, stage.counters()), expected);
+            assert_eq!(made(before, renderer.counters()), expected);
         }
     }
 }
@@ -209,18 +215,22 @@ fn an_edit_of_one_of_twenty_surfaces_samples_one() {
             twenty(None)
         );
         let (moved, other) = compiled(&moved);
-        let mut stage = stage(backend);
+        let mut renderer = renderer(backend);
         let request = Wanted::space(SIZE);
-        stage.draw(&request.of(&scene, &params)).expect("a picture");
+        renderer
+            .draw(&request.of(&scene, &params))
+            .expect("a picture");
         for (scene, params, sampled) in [
             (&edited, &params, 1),
             // The old one is still kept.
             (&scene, &params, 0),
             (&moved, &other, 0),
         ] {
-            let before = stage.counters();
-            stage.draw(&request.of(scene, params)).expect("a picture");
-            assert_eq!(made(before, stage.counters()).sampled, sampled);
+            let before = renderer.counters();
+            renderer
+                .draw(&request.of(scene, params))
+                .expect("a picture");
+            assert_eq!(made(before, renderer.counters()).sampled, sampled);
         }
     }
 }
@@ -234,14 +244,14 @@ fn equal_objects_are_sampled_once_and_different_ones_apart() {
         vector x = (1, 2, 3) @ (4, 5, 6); vector y = (4, 5, 6) @ (1, 2, 3);
         curve c(t) = (t, 0, 0), t : [0, 1, 5]; curve d(t) = (t, 0, 0), t : [0, 1, 6];";
         let (scene, params) = compiled(text);
-        let mut stage = stage(backend);
-        let shot = stage
+        let mut renderer = renderer(backend);
+        let drawn = renderer
             .draw(&Wanted::space(SIZE).of(&scene, &params))
             .expect("a picture");
         // p, q and r have one value; all others are different.
-        assert_eq!(stage.counters().sampled, 9);
+        assert_eq!(renderer.counters().sampled, 9);
         let picture = alone(backend, &scene, &params, &Wanted::space(SIZE));
-        assert!(image(&stage, &shot) == picture.expect("a picture").image);
+        assert!(image(&renderer, &drawn) == picture.expect("a picture").image);
     }
 }
 
@@ -252,34 +262,36 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         surface s(u, v) = (a cos u, a sin u, v), u : [0, 2pi, 30], v : [-3, 3, 30];
         point p = (b, 0, 0);";
         let (scene, mut params) = compiled(text);
-        let mut stage = stage(backend);
+        let mut renderer = renderer(backend);
         let request = Wanted::geodesic(ObjectId::new(0), [40, 40]);
-        let walk = |stage: &mut Renderer, params: &ParamValues, request: &Wanted, looks| {
-            let before = stage.counters();
-            let shot = stage.draw(&request.of(&scene, params)).expect("a picture");
-            let now = made(before, stage.counters());
-            assert_eq!((now.looks, now.sampled), (looks, 0));
+        let walk = |renderer: &mut Renderer, params: &ParamValues, request: &Wanted, followed| {
+            let before = renderer.counters();
+            let drawn = renderer
+                .draw(&request.of(&scene, params))
+                .expect("a picture");
+            let now = made(before, renderer.counters());
+            assert_eq!((now.followed, now.sampled), (followed, 0));
             let picture = alone(backend, &scene, params, request).expect("a picture");
-            assert_eq!(shot.notes, picture.notes);
-            assert!(image(stage, &shot) == picture.image);
+            assert_eq!(drawn.notes, picture.notes);
+            assert!(image(renderer, &drawn) == picture.image);
         };
-        walk(&mut stage, &params, &request, 1);
-        walk(&mut stage, &params, &request, 0);
+        walk(&mut renderer, &params, &request, 1);
+        walk(&mut renderer, &params, &request, 0);
         let mut painted = request.clone();
         painted.colours = vec![(ObjectId::new(0), [255, 0, 0])];
-        walk(&mut stage, &params, &painted, 0);
+        walk(&mut renderer, &params, &painted, 0);
         params.set(&scene, "b", &[0.5]).expect("inside");
-        walk(&mut stage, &params, &request, 0);
+        walk(&mut renderer, &params, &request, 0);
         params.set(&scene, "a", &[1.5]).expect("inside");
-        walk(&mut stage, &params, &request, 1);
+        walk(&mut renderer, &params, &request, 1);
         let mut turned = request.clone();
         turned.inside().camera.pose = Pose::At {
             at: None,
             angle: 0.5,
             mirrored: false,
         };
-        walk(&mut stage, &params, &turned, 1);
-        walk(&mut stage, &params, &request, 0);
+        walk(&mut renderer, &params, &turned, 1);
+        walk(&mut renderer, &params, &request, 0);
     }
 }
 
@@ -289,21 +301,21 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
     let (scene, params) = compiled(text);
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let mut made = |overlays: Overlays| {
         let request = Wanted {
             overlays,
             ..Wanted::geodesic(ObjectId::new(0), SIZE)
         };
-        let before = stage.counters();
-        stage
+        let before = renderer.counters();
+        renderer
             .draw(&request.of(&scene, &params))
             .expect("it can be drawn");
-        made(before, stage.counters())
+        made(before, renderer.counters())
     };
     let once = u64::from(SIZE[0] * SIZE[1]);
     let plain = made(Overlays::default());
-    assert_eq!((plain.looks, plain.ends), (1, once));
+    assert_eq!((plain.followed, plain.ends), (1, once));
     assert!(plain.distances > 0, "no line was drawn");
     let over = made(Overlays {
         legend: true,
@@ -311,14 +323,14 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
         error: true,
         ..Overlays::default()
     });
-    assert_eq!((over.looks, over.ends), (0, once));
+    assert_eq!((over.followed, over.ends), (0, once));
     // These look at places all over the picture: for them all ends are put down once more.
     let global = made(Overlays {
         conjugate_points: true,
         cut_locus: true,
         ..Overlays::default()
     });
-    assert_eq!((global.looks, global.ends), (0, 2 * once));
+    assert_eq!((global.followed, global.ends), (0, 2 * once));
 }
 
 #[test]
@@ -332,13 +344,13 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
         moving: true,
         ..fine.clone()
     };
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let mut draw = |request: &Wanted| {
-        let shot = stage
+        let drawn = renderer
             .draw(&request.of(&scene, &params))
             .expect("it can be drawn");
-        let (work, estimate) = shot.geodesics.expect("it is a geodesic view");
-        let Pixels::Image(image) = shot.image else {
+        let (work, estimate) = drawn.geodesics.expect("it is a geodesic view");
+        let Pixels::Image(image) = drawn.image else {
             panic!("the software path draws in memory");
         };
         (
@@ -371,38 +383,46 @@ fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_lea
         surface s(u, v) = (u + 0.01 a, v, 0.1 u v), u : [0, 1, 12], v : [0, 1, 12];
         point p = (0.5, 0.5, 0);";
     let (scene, mut params) = compiled(text);
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let request = Wanted::space(SIZE);
-    let first = stage
+    let first = renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
     params.set(&scene, "a", &[10.0]).expect("inside");
-    let near = stage
+    let near = renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
     assert_eq!(
         (first.placement, first.eye, first.axes),
         (near.placement, near.eye, near.axes)
     );
-    let before = stage.counters();
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    assert_eq!(made(before, stage.counters()).sampled, 2);
+    let before = renderer.counters();
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    assert_eq!(made(before, renderer.counters()).sampled, 2);
     params.set(&scene, "a", &[20.0]).expect("inside");
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    assert_eq!(made(before, stage.counters()).sampled, 3, "the point stays");
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    assert_eq!(
+        made(before, renderer.counters()).sampled,
+        3,
+        "the point stays"
+    );
     let mut far = String::from(text);
     far.push_str("point q = (50, 0, 0);");
     let (scene, params) = compiled(&far);
-    let away = stage
+    let away = renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
     assert!(away.placement.radius > 10.0 * near.placement.radius);
-    stage.set_bounds(None);
+    renderer.set_bounds(None);
     let bounds = render::bounds::Bounds::of(&scene, &params);
-    stage
+    renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
-    assert_eq!(stage.bounds().as_deref(), Some(&bounds));
+    assert_eq!(renderer.bounds().as_deref(), Some(&bounds));
 }
 
 #[test]
@@ -427,7 +447,7 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
         let reads = [(6, 0), (9, 8), (10, 9), (11, 9)];
         for seed in 0..8 {
             let mut random = Random(seed);
-            let mut stage = self::stage(backend);
+            let mut renderer = self::renderer(backend);
             let mut kept = [true; 13];
             let (mut before, mut last) = ("", 3);
             let (mut scene, mut params) = (None::<Arc<Scene>>, None::<ParamValues>);
@@ -496,25 +516,25 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                 };
                 let step = format!("seed {seed}, step {step}: {:?}", request.view);
                 let request = request.of(scene, params);
-                let shot = stage.draw(&request);
-                let mut fresh = self::stage(backend);
-                fresh.set_bounds(stage.bounds());
+                let drawn = renderer.draw(&request);
+                let mut fresh = self::renderer(backend);
+                fresh.set_bounds(renderer.bounds());
                 let expected = fresh.draw(&request);
-                match (shot, expected) {
-                    (Ok(shot), Ok(expected)) => {
-                        assert_eq!(shot.notes, expected.notes, "{step}");
-                        let same = image(&stage, &shot) == image(&fresh, &expected);
+                match (drawn, expected) {
+                    (Ok(drawn), Ok(expected)) => {
+                        assert_eq!(drawn.notes, expected.notes, "{step}");
+                        let same = image(&renderer, &drawn) == image(&fresh, &expected);
                         assert!(same, "{step}");
                     }
-                    (shot, expected) => {
-                        let errors: [Option<RenderError>; 2] = [shot.err(), expected.err()];
+                    (drawn, expected) => {
+                        let errors: [Option<RenderError>; 2] = [drawn.err(), expected.err()];
                         assert_eq!(errors[0], errors[1], "{step}");
                     }
                 }
                 let [width, height] = request.size.map(f64::from);
                 for place in [[0.5, 0.5], [0.4, 0.6], [0.6, 0.4]] {
                     let at = PixelPoint([width * place[0], height * place[1]]);
-                    let picked = [&mut stage, &mut fresh].map(|it| it.pick(&request, at));
+                    let picked = [&mut renderer, &mut fresh].map(|it| it.pick(&request, at));
                     assert_eq!(picked[0], picked[1], "{step}");
                 }
             }
@@ -526,41 +546,47 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
 fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
     let (scene, mut params) = compiled(&twenty(None));
     let (edited, _) = compiled(&twenty(Some(3)));
-    let mut stage = stage(Backend::Gpu);
+    let mut renderer = renderer(Backend::Gpu);
     let request = Wanted::space(SIZE);
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    assert_eq!(stage.counters().pipelines, 1, "surfaces alone");
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    assert_eq!(renderer.counters().pipelines, 1, "surfaces alone");
     for step in 0..5 {
         params
             .set(&scene, "a1", &[0.1 * f64::from(step)])
             .expect("inside");
-        stage.draw(&request.of(&scene, &params)).expect("a picture");
+        renderer
+            .draw(&request.of(&scene, &params))
+            .expect("a picture");
     }
-    stage
+    renderer
         .draw(&seen_from([30.0, 20.0, 10.0]).of(&scene, &params))
         .expect("a picture");
-    stage
+    renderer
         .draw(&request.of(&edited, &params))
         .expect("a picture");
-    stage
+    renderer
         .draw(&Wanted::space([50, 50]).of(&scene, &params))
         .expect("a picture");
-    let now = stage.counters();
-    assert_eq!((now.pipelines, now.looks), (1, 0));
+    let now = renderer.counters();
+    assert_eq!((now.pipelines, now.followed), (1, 0));
     assert_eq!(now.sampled, 20 + 4 + 1);
     // A geodesic view takes one fixed pass, and no kernel of its own.
     for surface in [0, 1, 0] {
         let inside = Wanted::geodesic(ObjectId::new(surface), [40, 40]);
-        stage.draw(&inside.of(&scene, &params)).expect("a picture");
+        renderer
+            .draw(&inside.of(&scene, &params))
+            .expect("a picture");
     }
-    let now = stage.counters();
-    assert_eq!((now.pipelines, now.looks), (2, 2));
+    let now = renderer.counters();
+    assert_eq!((now.pipelines, now.followed), (2, 2));
     let (curves, params) =
         compiled("curve c(t) = (t, t^2, 0), t : [0, 1, 20]; point p = (1, 0, 0);");
-    stage
+    renderer
         .draw(&request.of(&curves, &params))
         .expect("a picture");
-    assert_eq!(stage.counters().pipelines, 4);
+    assert_eq!(renderer.counters().pipelines, 4);
 }
 
 #[test]
@@ -577,30 +603,38 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     let request = seen_from([3.0, -5.0, 3.0]);
     let plan = request.plan(&scene, &params);
     assert_eq!(plan.objects[0].source, render::plan::SampleSource::Kernel);
-    let mut stage = stage(Backend::Gpu);
-    let first = stage.draw(&request.of(&scene, &params)).expect("a picture");
-    let first = image(&stage, &first);
+    let mut renderer = renderer(Backend::Gpu);
+    let first = renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    let first = image(&renderer, &first);
     let start = std::time::Instant::now();
-    while stage.counters().pipelines < 2 {
+    while renderer.counters().pipelines < 2 {
         assert!(
             start.elapsed().as_secs() < 120,
             "no kernel: {:?}",
-            stage.counters()
+            renderer.counters()
         );
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     // What is there stays; other values come from the kernel, which is not built again.
-    let before = stage.counters();
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    assert_eq!(made(before, stage.counters()).sampled, 0);
+    let before = renderer.counters();
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    assert_eq!(made(before, renderer.counters()).sampled, 0);
     params.set(&scene, "a", &[0.5]).expect("inside");
-    let bumpy = stage.draw(&request.of(&scene, &params)).expect("a picture");
-    let bumpy = image(&stage, &bumpy);
+    let bumpy = renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    let bumpy = image(&renderer, &bumpy);
     assert_ne!(first, bumpy);
     params.set(&scene, "a", &[1.0]).expect("inside");
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
     params.set(&scene, "a", &[0.5]).expect("inside");
-    let now = made(before, stage.counters());
+    let now = made(before, renderer.counters());
     assert_eq!((now.sampled, now.pipelines), (2, 0));
     let software = alone(Backend::Software, &scene, &params, &request).expect("a picture");
     let off = software.image.as_raw().iter().zip(bumpy.as_raw());
@@ -612,74 +646,82 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     // Another program that reads other params finds the same kernel.
     let (renamed, mut params) = compiled(&format!("param b : [0, 3], [1, 2]; {text}"));
     params.set(&renamed, "a", &[0.25]).expect("inside");
-    stage
+    renderer
         .draw(&request.of(&renamed, &params))
         .expect("a picture");
-    let now = made(before, stage.counters());
+    let now = made(before, renderer.counters());
     assert_eq!((now.sampled, now.pipelines), (3, 0));
 }
 
 /// Waits until no kernel is being built; what has been made then.
-fn built(stage: &Renderer) -> WorkCounters {
+fn built(renderer: &Renderer) -> WorkCounters {
     let start = std::time::Instant::now();
-    while stage.is_building() {
-        assert!(start.elapsed().as_secs() < 120, "{:?}", stage.counters());
+    while renderer.is_building() {
+        assert!(start.elapsed().as_secs() < 120, "{:?}", renderer.counters());
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    stage.counters()
+    renderer.counters()
 }
 
 #[test]
 fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_it_changes() {
     // As though each were large: small ones share the painters' pipelines, and have no other.
-    let mut stage = stage(Backend::Gpu).with_kernels_from(1);
+    let mut renderer = renderer(Backend::Gpu).with_kernels_from(1);
     let (scene, mut params) = compiled(&twenty(None));
     let request = Wanted::space(SIZE);
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    let first = built(&stage);
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    let first = built(&renderer);
     // A kernel for each surface, and what draws them all.
     assert_eq!((first.pipelines, first.sampled), (20 + 1, 20));
     for step in 1..=10 {
         let value = [0.1 * f64::from(step)];
         params.set(&scene, "a7", &value).expect("inside");
-        stage.draw(&request.of(&scene, &params)).expect("a picture");
+        renderer
+            .draw(&request.of(&scene, &params))
+            .expect("a picture");
     }
-    let dragged = made(first, built(&stage));
+    let dragged = made(first, built(&renderer));
     assert_eq!((dragged.pipelines, dragged.sampled), (0, 10));
     let (edited, opening) = compiled(&twenty(Some(3)));
     // Drawn from blocks until its kernel is there, and by that as soon as a param moves.
-    stage
+    renderer
         .draw(&request.of(&edited, &opening))
         .expect("a picture");
-    let after = built(&stage);
+    let after = built(&renderer);
     assert_eq!(made(first, after).pipelines, 1);
     let mut params = opening;
     params.set(&edited, "a3", &[0.5]).expect("inside");
-    let shot = stage.draw(&request.of(&edited, &params));
-    let shot = image(&stage, &shot.expect("a picture"));
-    let now = made(after, built(&stage));
+    let drawn = renderer.draw(&request.of(&edited, &params));
+    let drawn = image(&renderer, &drawn.expect("a picture"));
+    let now = made(after, built(&renderer));
     assert_eq!((now.pipelines, now.sampled), (0, 1));
     let software = alone(Backend::Software, &edited, &params, &request).expect("a picture");
-    let off = software.image.as_raw().iter().zip(shot.as_raw());
+    let off = software.image.as_raw().iter().zip(drawn.as_raw());
     let off = off.filter(|(a, b)| a.abs_diff(**b) > 24).count();
-    assert!(off < shot.as_raw().len() / 40, "{off} bytes are off");
+    assert!(off < drawn.as_raw().len() / 40, "{off} bytes are off");
     // Back, and elsewhere in another text: every kernel is known.
     let (moved, other) = compiled(&format!("param b : [0, 1]; {}", twenty(None)));
     for (scene, params) in [(&scene, &ParamValues::initial(&scene)), (&moved, &other)] {
-        stage.draw(&request.of(scene, params)).expect("a picture");
+        renderer
+            .draw(&request.of(scene, params))
+            .expect("a picture");
     }
-    assert_eq!(made(after, built(&stage)).pipelines, 0);
+    assert_eq!(made(after, built(&renderer)).pipelines, 0);
 }
 
 #[test]
 fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
     let (scene, params) = compiled("point p = (0, 0, 0);");
-    let mut stage = stage(Backend::Gpu);
+    let mut renderer = renderer(Backend::Gpu);
     let mut draw = |colour: [u8; 4]| {
         let mut request = Wanted::space([20, 10]);
         request.in_space().background = Some(colour);
-        let shot = stage.draw(&request.of(&scene, &params)).expect("a picture");
-        match shot.image {
+        let drawn = renderer
+            .draw(&request.of(&scene, &params))
+            .expect("a picture");
+        match drawn.image {
             Pixels::Texture(canvas) => canvas,
             Pixels::Image(_) => panic!("a picture in memory"),
         }
@@ -707,20 +749,22 @@ fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
 fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
     let (scene, params) = compiled("surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];");
     let gpu = Arc::new(own_gpu());
-    let mut stage = Renderer::on_gpu(gpu.clone());
+    let mut renderer = Renderer::on_gpu(gpu.clone());
     let request = Wanted::space(SIZE);
-    stage.draw(&request.of(&scene, &params)).expect("a picture");
-    assert!(!stage.is_lost());
+    renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    assert!(!renderer.is_lost());
     gpu.destroy();
     for request in [request.clone(), Wanted::geodesic(ObjectId::new(0), SIZE)] {
-        let error = stage
+        let error = renderer
             .draw(&request.of(&scene, &params))
             .expect_err("the device has gone");
         assert!(matches!(error, RenderError::Gpu(_)), "{error}");
     }
-    assert!(stage.is_lost());
+    assert!(renderer.is_lost());
     let mut other = Renderer::software();
-    other.set_bounds(stage.bounds());
+    other.set_bounds(renderer.bounds());
     other.draw(&request.of(&scene, &params)).expect("a picture");
 }
 
@@ -728,12 +772,12 @@ fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
 fn a_renderer_that_is_dropped_while_it_builds_kernels_leaves_no_thread_on_its_gpu() {
     let gpu = Arc::new(own_gpu());
     let left = Arc::downgrade(&gpu);
-    let mut stage = Renderer::on_gpu(gpu).with_kernels_from(1);
+    let mut renderer = Renderer::on_gpu(gpu).with_kernels_from(1);
     let (scene, params) = compiled(&twenty(None));
-    stage
+    renderer
         .draw(&Wanted::space(SIZE).of(&scene, &params))
         .expect("a picture");
-    drop(stage);
+    drop(renderer);
     assert!(left.upgrade().is_none());
 }
 

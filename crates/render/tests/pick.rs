@@ -136,14 +136,14 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let (scene, params) = compiled(text);
     // From straight above: x to the right, y up.
     let request = from([0.0, 0.0, 6.0], [0.0; 3]);
-    let mut stage = Renderer::software();
-    let camera = stage
+    let mut renderer = Renderer::software();
+    let camera = renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / (6.0);
     let at = |x: f64, y: f64| [80.0 + x * pixel, 60.0 - y * pixel];
     let mut pick = |[x, y]: [f64; 2]| {
-        stage
+        renderer
             .pick(&request.of(&scene, &params), PixelPoint([x, y]))
             .expect("a picture")
     };
@@ -177,12 +177,12 @@ fn perspective_does_not_bend_a_curves_parameter() {
     let text = "curve c(t) = (0, t, 0), t : [0, 10, 2]; point p = (0, 5, 0);";
     let (scene, params) = compiled(text);
     let request = from([1.0, -3.0, 2.0], [0.0, 4.0, 0.0]);
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let mut hits = 0;
     for k in 0..160 {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
-            let hit = stage
+            let hit = renderer
                 .pick(&request.of(&scene, &params), PixelPoint(at))
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId::new(0)) {
@@ -205,8 +205,8 @@ fn each_instance_is_distinguished() {
         curve c(t) = (2 k_1 + t, 2 k_2 + 1.5, 0), t : [0, 1, 9];";
     let (scene, params) = compiled(text);
     let request = from([3.5, 1.5, 20.0], [3.5, 1.5, 0.0]);
-    let mut stage = Renderer::software();
-    let camera = stage
+    let mut renderer = Renderer::software();
+    let camera = renderer
         .camera(&request.of(&scene, &params))
         .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / 20.0;
@@ -218,7 +218,7 @@ fn each_instance_is_distinguished() {
                     80.0 + (x + place[0] - 3.5) * pixel,
                     60.0 - (y + place[1] - 1.5) * pixel,
                 ];
-                let hit = stage
+                let hit = renderer
                     .pick(&request.of(&scene, &params), PixelPoint(at))
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
@@ -241,17 +241,17 @@ fn what_is_picked_is_what_the_picture_shows() {
         metric h(x, y) = (1, 0, 1) / y^2, x : [-1, 1], y : [0.5, 1];";
     let (scene, params) = compiled(text);
     let request = from([4.0, -5.0, 3.0], [0.0; 3]);
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let mut drawn = |object: usize, colour: [u8; 3]| {
         let mut request = request.clone();
         request.colours = vec![(ObjectId::new(object), colour)];
-        match stage
+        match renderer
             .draw(&request.of(&scene, &params))
             .expect("a picture")
             .image
         {
             Pixels::Image(image) => image,
-            Pixels::Texture(_) => panic!("a software stage draws images"),
+            Pixels::Texture(_) => panic!("a software renderer draws images"),
         }
     };
     // An object is seen where the picture depends on its colour.
@@ -279,7 +279,7 @@ fn what_is_picked_is_what_the_picture_shows() {
     for y in 0..height {
         for x in 0..width {
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-            let hit = stage
+            let hit = renderer
                 .pick(&request.of(&scene, &params), PixelPoint(at))
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
@@ -300,7 +300,7 @@ fn what_is_picked_is_what_the_picture_shows() {
         }
     }
     assert!(counts[..5].iter().all(|&count| count > 50), "{counts:?}");
-    assert_eq!(stage.counters().sampled, 5);
+    assert_eq!(renderer.counters().sampled, 5);
 }
 
 #[test]

@@ -33,9 +33,14 @@ fn stages() -> [Renderer; 2] {
     [Renderer::software(), Renderer::on_gpu(gpu)]
 }
 
-fn drawn(stage: &mut Renderer, scene: &Arc<Scene>, params: &ParamValues, of: &Wanted) -> RgbaImage {
-    let shot = stage.draw(&of.of(scene, params)).expect("a picture");
-    stage.read(shot.image).expect("the device is there")
+fn drawn(
+    renderer: &mut Renderer,
+    scene: &Arc<Scene>,
+    params: &ParamValues,
+    of: &Wanted,
+) -> RgbaImage {
+    let drawn = renderer.draw(&of.of(scene, params)).expect("a picture");
+    renderer.read(drawn.image).expect("the device is there")
 }
 
 fn is_background(image: &RgbaImage, x: u32, y: u32) -> bool {
@@ -60,10 +65,10 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
         let camera = GeodesicCamera::new(FLOOR_ID);
         options.show_camera = Some(camera.at([0.5, 0.5]).zoomed(0.3));
     });
-    for mut stage in stages() {
-        let full = drawn(&mut stage, &scene, &params, &whole);
-        let empty = drawn(&mut stage, &scene, &params, &bare);
-        let camera = drawn(&mut stage, &scene, &params, &with_camera);
+    for mut renderer in stages() {
+        let full = drawn(&mut renderer, &scene, &params, &whole);
+        let empty = drawn(&mut renderer, &scene, &params, &bare);
+        let camera = drawn(&mut renderer, &scene, &params, &with_camera);
         // In the middle runs the geodesic; everything below it is floor.
         let seen = |y: &u32| !is_background(&empty, 60, *y);
         let middle = (30..60).find(seen).expect("a line");
@@ -81,7 +86,7 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
         // Objects keep their numbers, and what is not seen is not found.
         let at = |y: u32| [60.5, f64::from(y) + 0.5];
         let mut found = |request: &Wanted, y| {
-            let hit = stage.pick(&request.of(&scene, &params), PixelPoint(at(y)));
+            let hit = renderer.pick(&request.of(&scene, &params), PixelPoint(at(y)));
             hit.expect("a view of space").map(|hit| hit.object)
         };
         assert_eq!(found(&bare, middle), Some(ObjectId::new(1)));
@@ -93,13 +98,13 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
 #[test]
 fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree() {
     let (scene, params) = compiled(FLOOR);
-    for (mut stage, backend) in stages().into_iter().zip([Backend::Software, Backend::Gpu]) {
+    for (mut renderer, backend) in stages().into_iter().zip([Backend::Software, Backend::Gpu]) {
         let request = Wanted {
             backend,
             ..Wanted::space(SIZE).with_space(|options| options.hidden = vec![FLOOR_ID])
         };
-        let live = drawn(&mut stage, &scene, &params, &request);
-        assert_eq!(stage.counters().sampled, 2, "the geodesic and the point");
+        let live = drawn(&mut renderer, &scene, &params, &request);
+        assert_eq!(renderer.counters().sampled, 2, "the geodesic and the point");
         let alone = request.draw(&scene, &params).expect("a picture");
         assert!(live == alone.image, "{backend:?}");
         let plan = request.plan(&scene, &params);
@@ -119,8 +124,8 @@ fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
         let request = Wanted::space(SIZE).with_space(|options| {
             options.hidden = hidden.iter().map(|&id| ObjectId::new(id)).collect();
         });
-        let mut stage = Renderer::software();
-        let camera = stage.camera(&request.of(&scene, &params));
+        let mut renderer = Renderer::software();
+        let camera = renderer.camera(&request.of(&scene, &params));
         camera.expect("a view of space").placement.centre[0]
     };
     assert_eq!(centre(&[]), 0.25, "from the floor's left to the point");
@@ -132,45 +137,47 @@ fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
 #[test]
 fn the_same_request_again_draws_nothing_and_gives_the_same_pixels() {
     let (scene, params) = compiled(FLOOR);
-    for mut stage in stages() {
+    for mut renderer in stages() {
         let space = Wanted::space(SIZE);
         let inside = Wanted::geodesic(FLOOR_ID, [40, 30]);
-        let first = [&space, &inside].map(|it| drawn(&mut stage, &scene, &params, it));
-        let before = stage.counters();
+        let first = [&space, &inside].map(|it| drawn(&mut renderer, &scene, &params, it));
+        let before = renderer.counters();
         assert_eq!(before.pictures, 2);
         for _ in 0..3 {
-            let again = [&space, &inside].map(|it| drawn(&mut stage, &scene, &params, it));
+            let again = [&space, &inside].map(|it| drawn(&mut renderer, &scene, &params, it));
             assert!(again == first);
         }
-        assert_eq!(stage.counters(), before);
+        assert_eq!(renderer.counters(), before);
         // Whatever a picture depends on has it drawn again.
         let highlighted = space
             .clone()
             .with_space(|options| options.highlight = Some(FLOOR_ID));
-        let picture = drawn(&mut stage, &scene, &params, &highlighted);
+        let picture = drawn(&mut renderer, &scene, &params, &highlighted);
         assert!(picture != first[0]);
-        assert_eq!(stage.counters().pictures, 3);
-        assert!(drawn(&mut stage, &scene, &params, &space) == first[0]);
-        assert_eq!(stage.counters().pictures, 4);
+        assert_eq!(renderer.counters().pictures, 3);
+        assert!(drawn(&mut renderer, &scene, &params, &space) == first[0]);
+        assert_eq!(renderer.counters().pictures, 4);
         let (other, _) = compiled(FLOOR);
-        assert!(drawn(&mut stage, &other, &params, &space) == first[0]);
-        assert_eq!(stage.counters().pictures, 5);
-        stage.set_bounds(None);
-        assert!(drawn(&mut stage, &other, &params, &space) == first[0]);
-        assert_eq!(stage.counters().pictures, 6);
+        assert!(drawn(&mut renderer, &other, &params, &space) == first[0]);
+        assert_eq!(renderer.counters().pictures, 5);
+        renderer.set_bounds(None);
+        assert!(drawn(&mut renderer, &other, &params, &space) == first[0]);
+        assert_eq!(renderer.counters().pictures, 6);
     }
 }
 
 #[test]
 fn a_picture_that_is_given_again_is_its_own() {
     let (scene, params) = compiled(FLOOR);
-    let mut stage = Renderer::software();
+    let mut renderer = Renderer::software();
     let request = Wanted::space(SIZE);
-    let first = drawn(&mut stage, &scene, &params, &request);
-    let shot = stage.draw(&request.of(&scene, &params)).expect("a picture");
-    let Pixels::Image(mut image) = shot.image else {
+    let first = drawn(&mut renderer, &scene, &params, &request);
+    let picture = renderer
+        .draw(&request.of(&scene, &params))
+        .expect("a picture");
+    let Pixels::Image(mut image) = picture.image else {
         panic!("the software path draws into memory");
     };
     image.fill(7);
-    assert!(drawn(&mut stage, &scene, &params, &request) == first);
+    assert!(drawn(&mut renderer, &scene, &params, &request) == first);
 }

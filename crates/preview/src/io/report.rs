@@ -26,7 +26,7 @@ pub struct Counters {
     /// Pipelines that were built.
     pub pipelines: u64,
     /// Geodesic views whose geodesics were traced.
-    pub looks: u64,
+    pub followed: u64,
     /// Scenes that were prepared for ray casting.
     pub worlds: u64,
     /// Rays of the 3D view that were cast at solids.

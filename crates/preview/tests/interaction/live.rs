@@ -24,8 +24,8 @@ fn a_window_at_rest_draws_nothing() {
     let after = hand.window().counters().clone();
     assert_eq!(after.pictures, before.pictures);
     assert_eq!(
-        (after.sampled, after.looks, after.pipelines),
-        (before.sampled, before.looks, before.pipelines)
+        (after.sampled, after.followed, after.pipelines),
+        (before.sampled, before.followed, before.pipelines)
     );
 }
 

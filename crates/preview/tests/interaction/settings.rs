@@ -260,7 +260,7 @@ fn the_menus_do_what_their_entries_say() {
     assert!(hand.window().model().choices.preferences.marks.legend);
     hand.settle();
 
-    let looks = hand.window().counters().looks;
+    let followed = hand.window().counters().followed;
     hand.click("View");
     hand.click("Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
@@ -268,8 +268,8 @@ fn the_menus_do_what_their_entries_say() {
     assert!(hand.window().model().choices.closed.contains("geodesic:s"));
     hand.hold(Key::W, 5);
     assert_eq!(
-        hand.window().counters().looks,
-        looks,
+        hand.window().counters().followed,
+        followed,
         "a view that is not seen is not drawn"
     );
     hand.click("View");

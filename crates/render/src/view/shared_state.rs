@@ -98,7 +98,7 @@ impl SharedState {
         let gpu = self.gpu.as_ref();
         counters.pipelines = gpu.map_or(0, |gpu| gpu.pipelines());
         counters.sampled = self.samples.sampled + gpu.map_or(0, |gpu| gpu.sampled());
-        counters.looks = self.followed;
+        counters.followed = self.followed;
         counters.worlds = self.solids.built;
         self.pixels.write(counters);
     }

@@ -209,13 +209,13 @@ impl ViewRenderer for SpaceRenderer {
         let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
         let options: &SpaceOptions = request.options()?;
-        let Stage {
+        let PreparedPicture {
             structures,
             framed,
             camera,
             axes,
             overlay,
-        } = self.stage(shared, request, options)?;
+        } = self.prepare(shared, request, options)?;
         let background = options.background_light();
         let solids = shared
             .solids
@@ -349,7 +349,7 @@ impl ViewRenderer for SpaceRenderer {
 }
 
 /// The inputs from which a picture is drawn.
-struct Stage {
+struct PreparedPicture {
     structures: Arc<[Structure]>,
     framed: Framed,
     camera: Camera,
@@ -359,12 +359,12 @@ struct Stage {
 }
 
 impl SpaceRenderer {
-    fn stage(
+    fn prepare(
         &mut self,
         shared: &mut SharedState,
         request: &PictureRequest,
         options: &SpaceOptions,
-    ) -> Result<Stage, RenderError> {
+    ) -> Result<PreparedPicture, RenderError> {
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request)?;
@@ -384,7 +384,7 @@ impl SpaceRenderer {
             }
             None => overlay,
         };
-        Ok(Stage {
+        Ok(PreparedPicture {
             structures,
             framed,
             camera,

@@ -138,7 +138,7 @@ impl Window {
                 self.records.counters.drawn = counters.pictures;
                 self.records.counters.sampled = counters.sampled;
                 self.records.counters.pipelines = counters.pipelines;
-                self.records.counters.looks = counters.looks;
+                self.records.counters.followed = counters.followed;
                 self.records.counters.worlds = counters.worlds;
                 self.records.counters.rays = counters.rays;
                 self.records.counters.traced = counters.traced;

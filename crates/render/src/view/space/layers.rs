@@ -26,10 +26,10 @@ impl SpaceRenderer {
         let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
         let options: &SpaceOptions = request.options()?;
-        let stage = self.stage(shared, request, options)?;
+        let prepared = self.prepare(shared, request, options)?;
         let (drawables, mut notes) =
-            drawables(shared, request, options, &stage.framed, None, &|_| {});
-        let extras = stage.overlay.iter().map(|object| {
+            drawables(shared, request, options, &prepared.framed, None, &|_| {});
+        let extras = prepared.overlay.iter().map(|object| {
             let look = object.look(request.scale);
             Drawable::new(object.samples.clone(), &look, None)
         });
@@ -39,10 +39,10 @@ impl SpaceRenderer {
         let (extras, others): (Vec<Drawable>, Vec<Drawable>) =
             others.into_iter().chain(extras).partition(is_line);
         let background = options.background_light();
-        let camera = &stage.camera;
+        let camera = &prepared.camera;
         let solids = shared
             .solids
-            .get(request, &options.hidden, stage.framed.contents());
+            .get(request, &options.hidden, prepared.framed.contents());
         let tints = solids
             .as_ref()
             .map(|solids| tints(request, options, solids));
@@ -59,20 +59,20 @@ impl SpaceRenderer {
         let keyed = options.show_camera.as_ref().map(|shown| KeyedCamera {
             camera: shown,
             view: camera,
-            objects: &stage.overlay,
+            objects: &prepared.overlay,
         });
         let shown = keyed.as_ref();
-        let mut words = stage
+        let mut words = prepared
             .axes
             .as_ref()
             .map_or_else(Vec::new, |axes| axes.labels(camera, request.scale));
-        if is_labelled(request, &stage.overlay) {
-            let extras = &stage.overlay;
+        if is_labelled(request, &prepared.overlay) {
+            let extras = &prepared.overlay;
             words.extend(labels(
                 shared,
                 request,
                 options,
-                &stage.framed,
+                &prepared.framed,
                 camera,
                 extras,
             ));
@@ -91,7 +91,7 @@ impl SpaceRenderer {
         let lines = lines.chain(extras.iter().map(|line| (line, false)));
         let strokes = software::strokes(camera, &lines.collect::<Vec<_>>(), &before);
         shared.samples.next();
-        let mut overlays = overlay::names(stage.overlay.iter());
+        let mut overlays = overlay::names(prepared.overlay.iter());
         overlays.extend(overlay::over_space(&mut image, request, shown, &[], key)?);
         let below = RenderedImage {
             notes: notes.into_iter().map(Note::Remark).collect(),
