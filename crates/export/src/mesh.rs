@@ -274,7 +274,7 @@ impl Model {
         out.flush()?;
         if !left_out.is_empty() {
             notes.push(format!(
-                "{} holds surfaces only: {} left out",
+                "{} holds surfaces and solids only: {} left out",
                 format.name(),
                 listed(&left_out)
             ));
@@ -601,7 +601,7 @@ impl fmt::Display for ExportError {
             } => {
                 write!(
                     f,
-                    "{} holds surfaces and nothing else, so {} left out and nothing remains",
+                    "{} holds surfaces and solids only, so {} left out and nothing remains",
                     format.name(),
                     listed(left_out)
                 )?;

@@ -404,7 +404,10 @@ fn stl_without_a_surface_is_refused_and_lines_are_reported() {
     let note = model
         .write(MeshFormat::Stl, &mut Vec::new())
         .expect("a file");
-    assert_eq!(note, ["STL holds surfaces only: `c` is left out"]);
+    assert_eq!(
+        note,
+        ["STL holds surfaces and solids only: `c` is left out"]
+    );
     let nothing = exported("param a : [0,1];").write(MeshFormat::Obj, &mut Vec::new());
     assert!(
         matches!(nothing, Err(ExportError::Nothing { ref left_out, .. }) if left_out.is_empty())

@@ -47,9 +47,9 @@ pub(crate) fn colour(text: &str) -> Result<[u8; 4], String> {
 
 /// Parses `NAME=COLOUR`.
 pub(crate) fn object_colour(text: &str) -> Result<ObjectColour, String> {
-    let expected = "expected NAME=COLOUR, such as c=#1a2b3c";
+    let expected = "expected NAME=COLOUR, such as c=#1a2b3c, c=#fff or c=white";
     let (object, text) = text.split_once('=').ok_or(expected)?;
-    match colour(text)? {
+    match colour(text).map_err(|_| expected)? {
         [r, g, b, 255] if !object.trim().is_empty() => Ok(ObjectColour {
             object: object.trim().into(),
             colour: [r, g, b],

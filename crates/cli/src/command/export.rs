@@ -23,14 +23,14 @@ use crate::registry::Context;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  geotrace export sphere.gtr -o sphere.stl                  surfaces only, watertight if closed
+  geotrace export sphere.gtr -o sphere.stl                  surfaces and solids, watertight if closed
   geotrace export torus.gtr -o torus.glb --texture s=a.png  with its image, for viewers and the web
   geotrace export circle.gtr -o - --format obj --set r=0.7  all objects, as text
   geotrace export torus.gtr -o s.ply --object s             one object, with normals and colours
 
 obj   text: an object for each name, with normals and texture coordinates; lines and points
 ply   binary: places in double precision, normals, the picture's colours at the vertices; edges
-stl   binary: the triangles of surfaces, and nothing else
+stl   binary: the triangles of surfaces and solids, and nothing else
 gltf  JSON with everything in it: materials, images, lines and points; glb is the same, binary
 
 The intervals set the resolution of a surface: `u : [0, 1, 200]` has 200 samples. For a solid, `x : [0, 1, 200]` sets \

@@ -346,13 +346,11 @@ pub(super) fn idle_colours(arguments: &Arguments, request: &PictureRequest) -> V
 
 /// Notes on options that the chosen view does not use.
 pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
-    let placed = [
+    let of_camera = [
         ("--at", arguments.geodesic.at.is_some()),
         ("--angle", arguments.geodesic.angle.is_some()),
         ("--mirrored", arguments.geodesic.mirrored),
         ("--zoom", arguments.geodesic.zoom.is_some()),
-    ];
-    let around = [
         ("--wavefronts", arguments.overlays.wavefronts.is_some()),
         ("--conjugate", arguments.overlays.conjugate),
     ];
@@ -398,17 +396,20 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         (&traced[..], "the traced view: add `--view traced`")
     };
     let geodesic = "the geodesic view: add `--view geodesic`";
-    let (idle, other) = match (view.geodesic_camera(), &arguments.space.show_camera) {
-        (Some(_), _) => (space.to_vec(), "the 3D view"),
-        (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
-        (_, Some(_)) => (inside.to_vec(), geodesic),
-    };
+    let shown =
+        "the geodesic view, or a camera in space: add `--view geodesic` or `--show-camera SURFACE`";
+    let idle: &[(&[(&str, bool)], &str)] =
+        match (view.geodesic_camera(), &arguments.space.show_camera) {
+            (Some(_), _) => &[(&space, "the 3D view")],
+            (_, None) => &[(&of_camera, shown), (&inside, geodesic)],
+            (_, Some(_)) => &[(&inside, geodesic)],
+        };
     let sentences = |options: &[(&str, bool)], other: &str| -> Vec<String> {
         let given = options.iter().filter(|(_, given)| *given);
         let sentences = given.map(|(option, _)| format!("{option} belongs to {other}"));
         sentences.collect()
     };
-    let mut all = sentences(&idle, other);
-    all.extend(sentences(beside.0, beside.1));
-    all
+    let all = idle.iter().copied().chain([beside]);
+    all.flat_map(|(options, view)| sentences(options, view))
+        .collect()
 }
