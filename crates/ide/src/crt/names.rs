@@ -2,12 +2,13 @@
 //!
 //! The scopes are the script and each macro. A use is looked up outwards; an assignment binds in the innermost scope. A use
 //! that may precede the binding in its own scope may refer to the outer variable of the same name: the two then count as one,
-//! so that renaming them preserves the script's behaviour.
+//! so that renaming them preserves the script's behaviour. A call of a function's name is that of the function, unless the
+//! variable has a macro. A variable that counts as one with a function, or with `t`, cannot be renamed.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use syntax::crt::objects::{ObjectName, ValueType};
+use syntax::crt::objects::{FUNCTIONS, ObjectName, ValueType};
 use syntax::crt::tree::{
     Arm, Attribute, BlockKind, Body, Expression, ExpressionKind, PrefixOperator, Script, Statement,
     StatementKind, SuffixKind,
@@ -47,6 +48,12 @@ pub(super) struct Variable {
     order: usize,
     /// The parameters of the macro that is its first value.
     parameters: Option<Vec<Arc<str>>>,
+    /// One of its values may be a macro.
+    may_be_macro: bool,
+    /// One of its values may be something else.
+    may_be_other: bool,
+    /// One of its uses may be that of the builtin name.
+    may_be_builtin: bool,
     /// Another variable that counts as the same, or the variable itself.
     same: VariableId,
 }
@@ -60,6 +67,8 @@ struct NameUse {
     order: usize,
     /// The span of the assignment that binds it, or of the parameter.
     binds: Option<Span>,
+    /// It is called.
+    is_called: bool,
     variable: Option<VariableId>,
 }
 
@@ -142,9 +151,17 @@ impl ScriptNames {
     fn resolve(&mut self) {
         for k in 0..self.uses.len() {
             let NameUse {
-                name, scope, order, ..
+                name,
+                scope,
+                order,
+                is_called,
+                ..
             } = self.uses[k].clone();
+            let is_binding = self.uses[k].binds.is_some();
+            let calls_function = is_called && FUNCTIONS.iter().any(|(it, ..)| **it == *name);
             let mut found: Option<VariableId> = None;
+            let mut may_be_builtin = calls_function || &*name == "t";
+            let mut other_is_builtin = false;
             let mut at = Some(scope);
             while let Some(scope) = at {
                 let MacroScope { parent, bound, .. } = &self.scopes[scope];
@@ -152,14 +169,23 @@ impl ScriptNames {
                 let Some(&variable) = bound.get(&name) else {
                     continue;
                 };
-                if let Some(inner) = found {
-                    let (inner, outer) = (self.same(inner), self.same(variable));
-                    self.variables[inner.max(outer)].same = inner.min(outer);
+                let row = &self.variables[variable];
+                let is_certain = is_binding || row.order <= order;
+                other_is_builtin |= calls_function && row.may_be_other;
+                if !calls_function || row.may_be_macro {
+                    if let Some(inner) = found {
+                        let (inner, outer) = (self.same(inner), self.same(variable));
+                        self.variables[inner.max(outer)].same = inner.min(outer);
+                    }
+                    found = found.or(Some(variable));
                 }
-                found = found.or(Some(variable));
-                if self.uses[k].binds.is_some() || self.variables[variable].order <= order {
+                if is_certain {
+                    may_be_builtin = false;
                     break;
                 }
+            }
+            if let Some(variable) = found {
+                self.variables[variable].may_be_builtin |= may_be_builtin || other_is_builtin;
             }
             self.uses[k].variable = found;
         }
@@ -184,6 +210,12 @@ impl ScriptNames {
     /// Returns a variable by its number.
     pub(super) fn variable(&self, variable: VariableId) -> &Variable {
         &self.variables[variable]
+    }
+
+    /// Returns true if some uses of a variable may be those of a function, or of `t`.
+    pub(super) fn may_be_builtin(&self, variable: VariableId) -> bool {
+        let mut all = self.variables.iter().enumerate();
+        all.any(|(k, it)| it.may_be_builtin && self.same(k) == variable)
     }
 
     /// Returns the parameters of the macro that is a variable's first value; `None` if that is not a macro.
@@ -255,7 +287,8 @@ struct Walk {
 }
 
 impl Walk {
-    fn bind(&mut self, name: &Arc<str>, span: Span, origin: Origin, assignment: Span) {
+    /// Binds a name; `value` is what is assigned, `None` for a parameter.
+    fn bind(&mut self, name: &Arc<str>, span: Span, value: Option<&Expression>, assignment: Span) {
         // A binding that may be skipped leaves later uses to the outer variable.
         let order = match self.is_conditional {
             true => usize::MAX,
@@ -267,16 +300,22 @@ impl Walk {
         if variable == fresh {
             self.names.variables.push(Variable {
                 name: Arc::clone(name),
-                origin,
+                origin: value.map_or(Origin::Parameter, origin_of),
                 assignment: assignment.moved(self.base),
                 scope: scope.span,
                 order,
                 parameters: None,
+                may_be_macro: false,
+                may_be_other: false,
+                may_be_builtin: false,
                 same: fresh,
             });
         }
-        let known = &mut self.names.variables[variable].order;
-        *known = order.min(*known);
+        let variable = &mut self.names.variables[variable];
+        variable.order = order.min(variable.order);
+        variable.may_be_macro |= value.is_none_or(may_be_macro);
+        variable.may_be_other |=
+            value.is_none_or(|it| !matches!(it.ungrouped().kind, ExpressionKind::Macro(_)));
         self.name(name, span, Some(assignment.moved(self.base)));
     }
 
@@ -295,6 +334,7 @@ impl Walk {
             scope: self.scope,
             order,
             binds,
+            is_called: false,
             variable: None,
         });
     }
@@ -380,7 +420,7 @@ impl Walk {
                 });
                 for parameter in &it.parameters {
                     let span = parameter.span;
-                    self.bind(&parameter.text, span, Origin::Parameter, span);
+                    self.bind(&parameter.text, span, None, span);
                 }
                 self.body(&it.body);
                 (self.scope, self.is_conditional) = outer;
@@ -393,15 +433,7 @@ impl Walk {
                 self.expression(value);
                 match &target.kind {
                     ExpressionKind::Identifier(name) => {
-                        let origin = match &value.kind {
-                            ExpressionKind::Macro(_) => Origin::Macro,
-                            ExpressionKind::Object(object) => {
-                                let known = ObjectName::from_text(&object.name.text);
-                                known.map_or(Origin::Value, Origin::Object)
-                            }
-                            _ => Origin::Value,
-                        };
-                        self.bind(name, target.span, origin, expression.span);
+                        self.bind(name, target.span, Some(value), expression.span);
                         let bound = self.names.scopes[self.scope].bound.get(name);
                         if let (ExpressionKind::Macro(it), Some(&variable)) = (&value.kind, bound) {
                             let words = it.parameters.iter().map(|it| it.text.clone());
@@ -423,6 +455,14 @@ impl Walk {
             }
             ExpressionKind::Suffixed(base, suffixes) => {
                 self.expression(base);
+                let called = suffixes.first().map(|it| &it.kind);
+                let is_call = matches!(called, Some(SuffixKind::Call(_)));
+                // The name was read last, as it stands alone.
+                if let (true, Some(_), Some(name)) =
+                    (is_call, base.identifier(), self.names.uses.last_mut())
+                {
+                    name.is_called = true;
+                }
                 for suffix in suffixes {
                     match &suffix.kind {
                         SuffixKind::Element(index) => self.expression(index),
@@ -446,6 +486,32 @@ impl Walk {
                 }
             }
         }
+    }
+}
+
+/// Returns the kind of a value that is assigned to a variable.
+fn origin_of(value: &Expression) -> Origin {
+    match &value.kind {
+        ExpressionKind::Macro(_) => Origin::Macro,
+        ExpressionKind::Object(object) => {
+            let known = ObjectName::from_text(&object.name.text);
+            known.map_or(Origin::Value, Origin::Object)
+        }
+        _ => Origin::Value,
+    }
+}
+
+/// Returns true if the value of an expression may be a macro.
+fn may_be_macro(value: &Expression) -> bool {
+    match &value.ungrouped().kind {
+        ExpressionKind::Macro(_) | ExpressionKind::Identifier(_) | ExpressionKind::Missing => true,
+        ExpressionKind::Assignment(sides) => may_be_macro(&sides[1]),
+        ExpressionKind::Conditional(parts) => parts[1..].iter().any(may_be_macro),
+        ExpressionKind::Suffixed(_, suffixes) => {
+            let last = suffixes.last().map(|it| &it.kind);
+            matches!(last, Some(SuffixKind::Element(_)))
+        }
+        _ => false,
     }
 }
 

@@ -10,8 +10,13 @@ use crate::rename::RenameError;
 
 /// Returns the range and the text of the name at an offset.
 pub(super) fn prepare(analysis: &CrtAnalysis, offset: u32) -> Result<(Span, String), RenameError> {
-    if let Some((span, _)) = analysis.names().variable_at(offset) {
-        return Ok((span, analysis.slice(span)));
+    let names = analysis.names();
+    if let Some((span, variable)) = names.variable_at(offset) {
+        let name = analysis.slice(span);
+        return match names.may_be_builtin(variable) {
+            true => Err(RenameError::Builtin(name)),
+            false => Ok((span, name)),
+        };
     }
     match analysis.word_at(offset) {
         Some(token) if matches!(token.kind, TokenKind::Identifier | TokenKind::Name) => {
