@@ -410,6 +410,11 @@ fn hints_show_how_words_are_split_and_what_defines_are() {
             (41, " ".to_owned())
         ]
     );
+    // What an attribute of a solid reads is not part of its value.
+    let text = "param s : [0,1];\nsolid d(x,y,z) = x, color : (s, 0, 0), x : [0, 1];\ndefine a = d(2,0,0);";
+    let analysis = GeotraceAnalysis::new(text);
+    let shown = hints::hints(&analysis, whole(&analysis)).into_iter();
+    assert_eq!(shown.map(|it| it.label).collect::<Vec<_>>(), ["= 2"]);
 }
 
 #[test]

@@ -320,6 +320,19 @@ fn lights_cameras_and_backgrounds_stand_on_the_stage_and_for_their_places() {
 }
 
 #[test]
+fn a_param_that_only_an_attribute_of_a_solid_reads_does_not_change_what_reads_its_function() {
+    let scene = scene(
+        "param s : [0.5, 1];
+        solid d(x,y,z) = x^2 + y^2 + z^2 - 1, color : (s, 0, 0);
+        solid h = d | d @ (0, 0, 1);
+        curve c(t) = (t, d(t, 0, 0), h(t, 0, 0)), t : [0, 1];
+        geodesic g(t) : d = (0, 1, 0) @ (1, 0, 0), t : [0, 1];",
+    );
+    let params = |name| object(&scene, name).params.len();
+    assert_eq!(["d", "h", "c", "g"].map(params), [1, 1, 0, 0]);
+}
+
+#[test]
 fn what_is_drawn_states_attributes_over_its_parameters() {
     let scene = scene(
         "param r : [0, 1]; grid k : [0, 1, 3];

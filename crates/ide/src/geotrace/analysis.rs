@@ -334,7 +334,7 @@ impl GeotraceAnalysis {
         found
     }
 
-    /// Returns true if a symbol reads a param or a grid, directly or indirectly.
+    /// Returns true if the value of a symbol reads a param or a grid, directly or indirectly. Attributes are not part of it.
     pub(crate) fn depends_on_settings(&self, symbol: SymbolId) -> bool {
         let mut known = self
             .dependent
@@ -356,8 +356,15 @@ impl GeotraceAnalysis {
             if found {
                 break;
             }
-            let used = self.symbols_in(item.span).into_iter();
-            open.extend(used.filter(|id| seen.insert(*id)));
+            let mut start = item.span.start;
+            let mut values: Vec<Span> = item.attributes().map(|(_, _, value)| value).collect();
+            values.sort_unstable();
+            values.push(Span::new(item.span.end, item.span.end));
+            for value in values {
+                let used = self.symbols_in(Span::new(start, value.start.max(start)));
+                open.extend(used.into_iter().filter(|id| seen.insert(*id)));
+                start = start.max(value.end);
+            }
         }
         if found {
             known.insert(symbol, true);

@@ -237,7 +237,7 @@ impl Lowerer {
         }
         Ok(BodyOutcome::Ready {
             value: Value::Number(self.solid_function(solid)?),
-            dependencies: solid.dependencies,
+            dependencies: solid.value_dependencies,
         })
     }
 

@@ -50,7 +50,9 @@ pub(crate) struct DeclaredSolid {
     /// The set without its own cuts, if it has any that are a leaf.
     pub(crate) uncut: Option<Arc<Solid>>,
     pub(crate) parameters: Box<[Box<str>]>,
-    /// The params that it reads.
+    /// The params that its function reads.
+    pub(crate) value_dependencies: Dependencies,
+    /// These, and the params that its attributes and those of its parts read.
     pub(crate) dependencies: Dependencies,
 }
 
@@ -58,6 +60,7 @@ impl DeclaredSolid {
     /// Returns true if the two differ only in spans of the text, so that their users are equal.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.parameters == other.parameters
+            && self.value_dependencies == other.value_dependencies
             && self.dependencies == other.dependencies
             && self.uncut.is_some() == other.uncut.is_some()
             && self.set.size == other.set.size
@@ -159,7 +162,8 @@ impl Lowerer {
             Meaning::Poisoned => return Ok(Effect::Push(StackItem::Poison)),
             Meaning::Solid(solid) => {
                 let solid = Arc::clone(solid);
-                *dependencies = self.dependencies.union(*dependencies, solid.dependencies);
+                let sets = &mut self.dependencies;
+                *dependencies = sets.union(*dependencies, solid.value_dependencies);
                 let mut set = solid.set.clone();
                 if self.renames_parts {
                     let renamed = self.renamed(&mut set, symbol);

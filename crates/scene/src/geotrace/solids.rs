@@ -44,7 +44,13 @@ impl Declarations {
         let before = self.found.len();
         let (attributes, stated) = self.stated(declaration.keyword, variables);
         let is_sound = self.found.len() == before;
-        let dependencies = self.lowerer.dependencies.union(own, stated);
+        let mut dependencies = self.lowerer.dependencies.union(own, stated);
+        for part in set.iter().flat_map(|set| &set.named) {
+            if let Meaning::Solid(part) = self.lowerer.symbols.meaning(*part) {
+                let sets = &mut self.lowerer.dependencies;
+                dependencies = sets.union(dependencies, part.dependencies);
+            }
+        }
         if let Some(first) = &set
             && self.closes_inside(first, dependencies)
         {
@@ -65,7 +71,7 @@ impl Declarations {
         let instances = self.close(&mut set, dependencies);
         set.size = set.size.saturating_mul(instances);
         self.check_leaves(declaration, set.size)?;
-        let params = self.without_grids(dependencies);
+        let (value_params, params) = (self.without_grids(own), self.without_grids(dependencies));
         let size = set.size;
         let parameters = match is_set {
             true => COORDINATES.map(Box::from).into(),
@@ -81,6 +87,7 @@ impl Declarations {
             set,
             uncut,
             parameters,
+            value_dependencies: value_params,
             dependencies: params,
         }));
         if !is_sound {

@@ -87,7 +87,7 @@ impl Declarations {
         let [domain] = domain?;
         let sets = &mut self.lowerer.dependencies;
         let own = sets.union(towards.dependencies, from.dependencies);
-        let dependencies = sets.union(own, solid.dependencies);
+        let dependencies = sets.union(own, solid.value_dependencies);
         if dependencies == Dependencies::default() {
             let warning = self.cannot_start(declaration, field, [along, at], span);
             self.found.extend(warning);
