@@ -1,4 +1,4 @@
-//! Renaming in a script does not change its meaning.
+//! Renaming in a script and its layout change neither its meaning nor its diagnostics.
 
 use std::sync::Arc;
 
@@ -6,6 +6,9 @@ use ide::crt::Crt;
 use ide::edit::apply;
 use ide::rename::RenameError;
 use ide::{Analysis, Language};
+use syntax::crt::codes::CONTINUES_LINE;
+use syntax::crt::document::Document;
+use syntax::diagnostic::Severity;
 
 fn read(text: &str) -> Arc<dyn Analysis> {
     Crt.read(text)
@@ -61,4 +64,67 @@ fn a_variable_that_may_be_builtin_where_it_is_used_is_not_renamed() {
         renamed("|t = 5\na = t + 1\n"),
         Ok("q = 5\na = q + 1\n".to_owned())
     );
+}
+
+/// Returns the number of lines with the warning that they continue the line above, in a text that can be read.
+fn continued_lines(text: &str) -> usize {
+    let document = Document::new(text, &()).expect("a short text");
+    let found = document.all_diagnostics();
+    let is_sound = found.iter().all(|it| it.severity != Severity::Error);
+    assert!(is_sound, "{text}");
+    let continued = found.iter().filter(|it| it.code == CONTINUES_LINE);
+    continued.count()
+}
+
+fn laid_out(text: &str) -> String {
+    apply(text, &read(text).format(None))
+}
+
+#[test]
+fn the_layout_keeps_the_warnings_of_lines_that_continue_others() {
+    for (text, expected) in [
+        ("Scene { a\n- b }\n", "Scene { a\n- b }\n"),
+        (
+            "Scene {\n  x = [\n    a] y = a\n      - b\n}\n",
+            "Scene {\n    x = [\n        a] y = a\n            - b\n}\n",
+        ),
+    ] {
+        let solids = "a = Sphere {\n    center -> vec3(0, 0, 0)\n    radius -> 1\n}\nb = a\n";
+        let text = format!("{solids}{text}");
+        let once = laid_out(&text);
+        assert_eq!(once, format!("{solids}{expected}"));
+        assert_eq!(laid_out(&once), once);
+    }
+}
+
+#[test]
+fn the_layout_of_scripts_with_any_line_breaks_is_stable_and_keeps_their_warnings() {
+    let pieces = [
+        "a = Sphere { center -> vec3 ( 0 , 0 , 0 ) + vec3 ( 1 , 1 , 1 ) radius -> 2 - 1 }",
+        "b = [ a , a ] [ 0 ]",
+        "m = Macro ( q ) { q - a b - a c = [ a ] }",
+        "if ( true ) { c = a + b } else { c = a ( 0 ) - b }",
+        "while ( false ) { a - b <scale 2 > + c }",
+    ];
+    let mut seed = 5_u64;
+    let mut random = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as usize % below
+    };
+    let mut warned = 0;
+    for _ in 0..400 {
+        let mut text = String::new();
+        for _ in 0..3 {
+            for word in pieces[random(pieces.len())].split(' ') {
+                text += word;
+                text += [" ", " ", " ", "\n", "\n  ", "\n      "][random(6)];
+            }
+        }
+        let before = continued_lines(&text);
+        let once = laid_out(&text);
+        assert_eq!(laid_out(&once), once, "{text}");
+        assert_eq!(continued_lines(&once), before, "{text}\n{once}");
+        warned += before;
+    }
+    assert!(warned > 100, "{warned}");
 }

@@ -62,6 +62,8 @@ struct OpenBracket {
     outside: usize,
     /// It is a brace: a line in it that begins no statement or attribute continues the line above.
     is_brace: bool,
+    /// The indentation of the line on which the statement around it begins.
+    statement: usize,
 }
 
 /// The places where lines begin.
@@ -103,6 +105,15 @@ fn indentation_of(token: Token, bracket: Option<&OpenBracket>, is_start: bool) -
     }
 }
 
+/// Returns the indentation of a line that begins with `+`, `-`, `^`, `[` or `(` and continues the statement above, whose line
+/// has the indentation `statement`. A line with a warning must not be indented further, and others must be.
+fn continued(usual: usize, statement: usize, has_warning: bool) -> usize {
+    match has_warning {
+        true => usual.min(statement),
+        false => usual.max(statement + LEVEL),
+    }
+}
+
 /// Formats a text. The lines that begin at `continuing` have a warning: they remain in the column of their statement, so that
 /// the warning remains.
 fn lay_out(
@@ -114,10 +125,14 @@ fn lay_out(
     let new_line = new_line(text);
     let names = analysis.names();
     let line_starts = LineStarts::of(names);
+    let statements: HashSet<u32> = names.starts.iter().copied().collect();
     let modifier_ends: HashSet<u32> = names.modifier_ends.iter().copied().collect();
     let mut edits = Vec::new();
     let mut open: Vec<OpenBracket> = Vec::new();
     let mut indentation = 0;
+    // The indentation of the line on which the current statement begins. It is counted from a statement at top level on, if
+    // one begins within the line: the parser reads these one by one.
+    let (mut statement, mut counted) = (0, 0);
     let mut previous: Option<Token> = None;
     let mut is_prefix = false;
     for &token in tokens {
@@ -131,8 +146,14 @@ fn lay_out(
         let new = match previous {
             None => old.chars().filter(|c| *c == '\u{FEFF}').collect(),
             Some(_) if breaks > 0 || is_own => {
-                let is_start = line_starts.all.contains(&start) || continuing.contains(&start);
-                indentation = indentation_of(token, open.last(), is_start);
+                let has_warning = continuing.contains(&start);
+                let is_start = line_starts.all.contains(&start);
+                indentation = indentation_of(token, open.last(), is_start || has_warning);
+                let is_bare = open.last().is_none_or(|it| it.is_brace);
+                if !is_start && is_bare && token.kind.may_continue_line() {
+                    indentation = continued(indentation, statement, has_warning);
+                }
+                counted = indentation;
                 let lines = if breaks > 1 && !closes { 2 } else { 1 };
                 format!("{}{}", new_line.repeat(lines), " ".repeat(indentation))
             }
@@ -149,8 +170,14 @@ fn lay_out(
         if new != old {
             edits.push(Edit::replace(gap, new));
         }
-        if closes {
-            open.pop();
+        if statements.contains(&start) {
+            if open.is_empty() && breaks == 0 {
+                counted = 0;
+            }
+            statement = counted;
+        }
+        if closes && let Some(bracket) = open.pop() {
+            statement = bracket.statement;
         }
         if matches!(
             token.kind,
@@ -160,6 +187,7 @@ fn lay_out(
                 inside: indentation + LEVEL,
                 outside: indentation,
                 is_brace: token.kind == TokenKind::BraceOpen,
+                statement,
             });
         }
         if token.kind != TokenKind::Comment {

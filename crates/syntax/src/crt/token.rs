@@ -80,6 +80,15 @@ impl TokenKind {
         matches!(self, Self::Scale | Self::Translate | Self::Rotate)
     }
 
+    /// Returns true for a token that continues the statement above if a line begins with it, though it may be meant to begin
+    /// another one.
+    pub fn may_continue_line(self) -> bool {
+        matches!(
+            self,
+            Self::Plus | Self::Minus | Self::Caret | Self::BracketOpen | Self::ParenOpen
+        )
+    }
+
     /// Returns true for a token that begins a primary expression in any context.
     pub(crate) fn begins_primary(self) -> bool {
         matches!(

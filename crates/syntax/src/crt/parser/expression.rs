@@ -393,17 +393,8 @@ impl<A: Actions> Parser<'_, '_, A> {
 
     /// Warns about a line that continues the statement above, though it may be meant to begin one.
     fn check_continued_line(&mut self) {
-        let kind = self.current.kind;
-        let may_begin = matches!(
-            kind,
-            TokenKind::Plus
-                | TokenKind::Minus
-                | TokenKind::Caret
-                | TokenKind::BracketOpen
-                | TokenKind::ParenOpen
-        );
-        let span = self.current.span;
-        if !may_begin || self.brackets > 0 || !self.begins_line() {
+        let Token { kind, span } = self.current;
+        if !kind.may_continue_line() || self.brackets > 0 || !self.begins_line() {
             return;
         }
         let (indentation, line) = self.indentation(span.start);
