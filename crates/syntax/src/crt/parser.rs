@@ -140,6 +140,10 @@ struct Parser<'s, 'a, A> {
     statement_start: u32,
     /// The number of open brackets in the statement.
     brackets: u32,
+    /// The start of the `<` of the modifiers that are being read.
+    modifiers: Option<u32>,
+    /// The start of the value of the last attribute, if that is a colour.
+    colour_start: Option<u32>,
 }
 
 impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
@@ -161,6 +165,8 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
             is_too_deep: false,
             statement_start: start,
             brackets: 0,
+            modifiers: None,
+            colour_start: None,
         };
         parser.fetch();
         parser
@@ -399,7 +405,9 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
         let message = format!("the `{}` is not closed", open.text(self.source));
         if let Some(diagnostic) = self.fault(codes::UNCLOSED_BRACKET, open, message) {
-            let end = self.previous.span.end;
+            let end = self
+                .end_in_modifiers(open)
+                .unwrap_or(self.previous.span.end);
             let last = self.previous.span.text(self.source);
             let is_open_string = last.starts_with('"') && (last.len() == 1 || !last.ends_with('"'));
             let diagnostic = match self.current.kind {
@@ -414,6 +422,37 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
                 }
             };
             self.report(diagnostic);
+        }
+    }
+
+    /// Returns the offset before the `>` that seems to close the modifiers around an unclosed bracket, which was read as a
+    /// comparison: nothing that is compared with follows on its line.
+    fn end_in_modifiers(&self, open: Span) -> Option<u32> {
+        self.modifiers.filter(|start| *start < open.start)?;
+        let (mut lexer, mut before) = (Lexer::new(self.source, open.end), open.end);
+        let mut depth = 0;
+        loop {
+            let Token { kind, span } = lexer.read().token;
+            if span.end > self.previous.span.end || kind == TokenKind::Eoi {
+                return None;
+            }
+            match kind {
+                TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => depth += 1,
+                TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                    depth -= 1;
+                }
+                TokenKind::Greater if depth == 0 => {
+                    let rest = self.source[span.end as usize..].lines().next();
+                    let rest = rest.unwrap_or_default().trim_start();
+                    let ends =
+                        rest.is_empty() || rest.starts_with([',', '+', '-', '^', ')', ']', '}']);
+                    if ends {
+                        return Some(before);
+                    }
+                }
+                _ => {}
+            }
+            before = span.end;
         }
     }
 

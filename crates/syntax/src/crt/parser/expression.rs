@@ -148,12 +148,15 @@ impl<A: Actions> Parser<'_, '_, A> {
         let open = self.current.span;
         self.advance();
         self.brackets += 1;
+        let outer = self.modifiers.replace(open.start);
         let mut count = 0;
         if self.enter() {
             count = self.modifier_list();
             self.leave();
+            self.modifiers = outer;
             self.close(TokenKind::Greater, open);
         }
+        self.modifiers = outer;
         self.brackets -= 1;
         count
     }
@@ -292,18 +295,27 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 
     fn bare_vector_error(&self, place: Span, count: usize) -> Diagnostic {
-        let message = "brackets alone do not make a vector";
+        let is_colour = self.colour_start == Some(place.start);
+        let (what, word) = match is_colour {
+            true => ("colour", "rgb"),
+            false => ("vector", "vec3"),
+        };
+        let message = format!("brackets alone do not make a {what}");
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message);
         if count != 3 {
-            return diagnostic.with_hint("a vector is `vec3(1, 2, 3)`, a list `[1, 2]`");
+            return diagnostic.with_hint(match is_colour {
+                true => "a colour is `rgb(1, 0.5, 0)`",
+                false => "a vector is `vec3(1, 2, 3)`, a list `[1, 2]`",
+            });
         }
         let before = &self.source[..place.start as usize];
         let touches = before.ends_with(|c: char| c.is_ascii_alphanumeric());
-        let written = if touches { " vec3" } else { "vec3" };
-        let fix = Fix::insert("Insert `vec3`", place.start, written);
-        let vector = quote(&format!("vec3{}", place.text(self.source)));
+        let blank = if touches { " " } else { "" };
+        let title = format!("Insert `{word}`");
+        let fix = Fix::insert(&title, place.start, &format!("{blank}{word}"));
+        let value = quote(&format!("{word}{}", place.text(self.source)));
         diagnostic
-            .with_hint(format!("write {vector}"))
+            .with_hint(format!("write {value}"))
             .with_fix(fix.with_all())
     }
 

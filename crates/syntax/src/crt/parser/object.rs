@@ -3,7 +3,7 @@
 use super::Parser;
 use crate::crt::actions::{Actions, ParseStep};
 use crate::crt::codes;
-use crate::crt::objects::ObjectName;
+use crate::crt::objects::{ObjectName, ValueType};
 use crate::crt::token::TokenKind;
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::span::Span;
@@ -125,7 +125,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 stated.extend(row.map(|row| (row.text, span)));
                 self.advance();
                 self.advance();
-                self.expression();
+                self.value(object, &name);
                 self.step(ParseStep::Attribute(span), span.start);
                 *count += 1;
                 return true;
@@ -182,31 +182,54 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         if self.at(TokenKind::Arrow) {
             self.advance();
         } else {
-            let mut place = self.current.span;
-            if self.at(TokenKind::Assign) && self.source[place.end as usize..].starts_with('>') {
-                // `=>` of other languages.
-                place.end += 1;
-            }
-            let message = format!("`->` is missing between `{word}` and its value");
-            if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
-                let is_sign = matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon);
-                let fix = match is_sign {
-                    true => Fix::change(place, "->", true).with_all(),
-                    false => Fix::insert("Insert `->`", span.end, " ->"),
-                };
-                self.report(found.with_fix(fix));
-            }
-            if matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon) {
-                self.advance();
-            }
-            if self.current.span.end == place.end && self.at(TokenKind::Greater) {
-                self.advance();
-            }
+            self.missing_arrow(word, span);
         }
-        self.expression();
+        self.value(object, word);
         self.step(ParseStep::Attribute(span), span.start);
         *count += 1;
         true
+    }
+
+    /// Reports that there is no `->` after the name of an attribute, and passes a sign that was meant to be one.
+    fn missing_arrow(&mut self, word: &str, name: Span) {
+        let mut place = self.current.span;
+        let rest = &self.source[place.end as usize..];
+        if self.at(TokenKind::Assign) && rest.starts_with('>') {
+            // `=>` of other languages.
+            place.end += 1;
+        }
+        let is_sign = match self.current.kind {
+            TokenKind::Assign | TokenKind::Colon | TokenKind::Greater => true,
+            // Without a blank behind it, the sign of a value.
+            TokenKind::Minus => rest.starts_with(char::is_whitespace),
+            _ => false,
+        };
+        let message = format!("`->` is missing between `{word}` and its value");
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
+            let fix = match self.current.kind {
+                TokenKind::Assign | TokenKind::Colon => Fix::change(place, "->", true).with_all(),
+                _ if is_sign => Fix::change(place, "->", true),
+                kind => Fix {
+                    preferred: kind != TokenKind::Minus,
+                    ..Fix::insert("Insert `->`", name.end, " ->")
+                },
+            };
+            self.report(found.with_fix(fix));
+        }
+        if is_sign {
+            self.advance();
+        }
+        if self.current.span.end == place.end && self.at(TokenKind::Greater) {
+            self.advance();
+        }
+    }
+
+    /// Reads the value of an attribute.
+    fn value(&mut self, object: Option<ObjectName>, word: &str) {
+        let row = object.and_then(|object| object.attribute(word));
+        let is_colour = row.is_some_and(|row| matches!(row.value, ValueType::Colour));
+        self.colour_start = is_colour.then_some(self.current.span.start);
+        self.expression();
     }
 
     fn unknown_attribute(&mut self, object: ObjectName, word: &str, span: Span) {
