@@ -1,5 +1,6 @@
 //! The programs in the folders of a workspace.
 
+use std::collections::HashSet;
 use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
@@ -19,10 +20,13 @@ const DEEPEST: usize = 12;
 pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBuf> {
     let mut programs = Vec::new();
     let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
-    let mut visited = 0;
+    // A folder may lie in another one.
+    let mut visited: HashSet<PathBuf> = HashSet::new();
     'search: while let Some((folder, depth)) = open.pop() {
-        visited += 1;
-        if visited > MOST_FOLDERS {
+        if !visited.insert(folder.clone()) {
+            continue;
+        }
+        if visited.len() > MOST_FOLDERS {
             break;
         }
         let Ok(entries) = std::fs::read_dir(&folder) else {
@@ -59,4 +63,25 @@ pub(crate) fn read(path: &Path) -> Option<String> {
 fn is_skipped(folder: &Path) -> bool {
     let name = folder.file_name().and_then(|name| name.to_str());
     name.is_none_or(|name| name.starts_with('.') || matches!(name, "target" | "node_modules"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Languages, programs};
+
+    #[test]
+    fn a_program_of_nested_folders_is_found_once() {
+        let folder = std::env::temp_dir().join(format!("geotrace-nested-{}", std::process::id()));
+        let inner = folder.join("inner");
+        std::fs::create_dir_all(&inner).expect("a folder");
+        std::fs::write(inner.join("a.gtr"), "").expect("a file");
+        let languages = Languages::standard();
+        for folders in [
+            [folder.clone(), inner.clone()],
+            [inner.clone(), folder.clone()],
+        ] {
+            assert_eq!(programs(&folders, &languages), [inner.join("a.gtr")]);
+        }
+        std::fs::remove_dir_all(&folder).expect("the folder");
+    }
 }
