@@ -268,6 +268,29 @@ fn completion_offers_what_fits_at_the_place() {
 
     let text = "define a = 1; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1]; geodesic g(t) : |";
     assert_eq!(labels(text).1, ["s"]);
+    // The start and the direction of a geodesic do not depend on its parameter; its attributes do.
+    for (rest, is_offered) in [
+        ("(1, |", false),
+        ("(1, 0) @ (|", false),
+        ("(1, 0) @ (0, 0), t : [0,1], color : (1, |", true),
+    ] {
+        let (_, list) = labels(&text.replace('|', &format!("s = {rest}")));
+        assert_eq!(list.contains(&"t".to_owned()), is_offered, "{rest}");
+    }
+
+    let (_, list) = labels(&format!("{above} param b = |"));
+    for (name, is_offered) in [("rest", true), ("rad", false), ("kk", false), ("rr", false)] {
+        assert_eq!(list.contains(&name.to_owned()), is_offered, "{name}");
+    }
+    // A component of a vector is no derivative.
+    let derivatives = "function f(a,b) = a b;\nfunction g(v) = f";
+    assert_eq!(labels(&format!("{derivatives}_a_|")).1, ["a", "b"]);
+    assert!(labels(&format!("{derivatives} v_|")).1.is_empty());
+
+    let background = "background".to_owned();
+    assert!(labels("define a = 1;\nba|").1.contains(&background));
+    assert!(labels("background|").1.contains(&background));
+    assert!(!labels("background b = 1;\nba|").1.contains(&background));
 }
 
 #[test]
@@ -337,6 +360,27 @@ fn signature_help_counts_the_arguments() {
         (signature.label.as_str(), signature.what.as_str()),
         ("sin(x)", "builtin function")
     );
+    let two = "function f(a,b) = a b; function g(t) =";
+    for (text, label, active) in [
+        ("f^2(1, |2);", "f(a, b)", 1),
+        ("f_a^-1(1, |2);", "f(a, b)", 1),
+        ("sin^t(|2);", "sin(x)", 0),
+    ] {
+        let signature = help(&format!("{two} {text}")).expect("a signature");
+        assert_eq!(
+            (signature.label.as_str(), signature.active),
+            (label, active)
+        );
+    }
+    // A variable before a bracket is a factor.
+    for text in [
+        "sin t (t + |1);",
+        "f_a t(t, |1);",
+        "2 sin t^2 (|1);",
+        "t^2 (|1);",
+    ] {
+        assert_eq!(help(&format!("{two} {text}")), None, "{text}");
+    }
     assert_eq!(help("define x = (1, |2);"), None);
     assert_eq!(help("define x = sin( # of wh|at\n2);"), None);
 }

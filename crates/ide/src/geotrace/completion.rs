@@ -32,7 +32,10 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
         Expected::Declaration => {
             let behind = behind_word(analysis.document(), offset);
             let is_named = behind.starts_with(|c: char| c.is_ascii_alphabetic());
-            let rows = TABLE.iter().map(|row| declaration(row, snippets));
+            let rows = TABLE
+                .iter()
+                .filter(|row| may_be_declared(analysis, row, offset));
+            let rows = rows.map(|row| declaration(row, snippets));
             let alone = |it| if is_named { word_alone(it) } else { it };
             rows.map(alone).collect()
         }
@@ -84,6 +87,15 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
         list: matching(list, &names.written),
         is_complete,
     }
+}
+
+/// Returns true for a declaration that a program may contain another one of. A program has one background; the one that
+/// is being written at an offset does not count.
+fn may_be_declared(analysis: &GeotraceAnalysis, row: &DeclarationRow, offset: u32) -> bool {
+    row.keyword != DeclarationKeyword::Background
+        || analysis.items().all(|item| {
+            item.keyword != row.keyword || item.span.start <= offset && offset <= item.span.end
+        })
 }
 
 /// Returns the completions that continue the written text, then those that contain its letters in order, ignoring case.

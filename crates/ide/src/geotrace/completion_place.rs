@@ -11,6 +11,7 @@ use syntax::span::Span;
 use super::analysis::{GeotraceAnalysis, Lexeme};
 use super::item::Item;
 use super::names_in_scope::NamesInScope;
+use super::signature::function_before;
 
 /// The kind of text expected at an offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +30,7 @@ pub(super) enum Expected {
     Atom,
     /// A map, or an operand: after the `@` of a set.
     Place,
-    /// An operand that depends on no param and no grid: in an interval.
+    /// An operand that depends on no param and no grid: in an interval, or the initial value of a param.
     Constant,
     /// Any operand, in the body of this item.
     Operand(Option<usize>),
@@ -79,7 +80,7 @@ impl CompletionPlace {
         let item = item.or_else(|| analysis.unfinished_item_before(start));
         let wanted = match (before.next(), item) {
             (None, _) => Expected::Declaration,
-            (Some((at, token)), item) => behind(analysis, item.as_ref(), at, token, range),
+            (Some((at, token)), item) => behind(analysis, item.as_ref(), at, token),
         };
         Self { wanted, range }
     }
@@ -91,9 +92,7 @@ fn behind(
     item: Option<&Item<'_>>,
     at: usize,
     token: Lexeme<'_>,
-    range: Span,
 ) -> Expected {
-    let number = item.map(|item| item.index);
     match token.kind {
         TokenKind::Semicolon => return Expected::Declaration,
         TokenKind::Declare(_) => return Expected::Nothing,
@@ -108,13 +107,14 @@ fn behind(
     if let Some(expected) = item.and_then(|item| in_set(analysis, item, at)) {
         return expected;
     }
+    let operand = item.map_or(Expected::Operand(None), |item| operand(analysis, item, at));
     match token.kind {
-        TokenKind::Underscore => match function_before(analysis, at) {
-            Some(item) => Expected::ParameterOf(item),
-            None => Expected::Nothing,
-        },
-        TokenKind::Number(_) if range.start == range.end && token.span.end == range.start => {
-            Expected::Operand(number)
+        TokenKind::Underscore => {
+            let function = function_before(analysis, at);
+            match function.and_then(|id| analysis.item_of(id)) {
+                Some(item) => Expected::ParameterOf(item),
+                None => Expected::Nothing,
+            }
         }
         TokenKind::Colon => item.map_or(Expected::Nothing, |item| behind_colon(analysis, item, at)),
         TokenKind::Comma => match item {
@@ -122,10 +122,33 @@ fn behind(
                 true => Expected::Item(item.index),
                 false => Expected::Nothing,
             },
-            _ => Expected::Operand(number),
+            _ => operand,
         },
-        _ => Expected::Operand(number),
+        _ => operand,
     }
+}
+
+/// Returns the kind of operand expected in an expression after a token of an item, outside its intervals.
+fn operand(analysis: &GeotraceAnalysis, item: &Item<'_>, at: usize) -> Expected {
+    let row = item.keyword.row();
+    if row.category == Category::Slider {
+        return Expected::Constant;
+    }
+    // The start and the direction of a geodesic do not depend on its parameter.
+    if row.syntax == Syntax::InSurface && !is_behind_body(analysis, item, at) {
+        return Expected::Operand(None);
+    }
+    Expected::Operand(Some(item.index))
+}
+
+/// Returns true if a comma outside all brackets of an item stands before a token.
+fn is_behind_body(analysis: &GeotraceAnalysis, item: &Item<'_>, token: usize) -> bool {
+    let first = analysis.document().tokens_begun(item.span.start) as usize;
+    let mut open = 0;
+    analysis.tokens(first..token).any(|token| {
+        open += depth(token);
+        open == 0 && token.kind == TokenKind::Comma
+    })
 }
 
 /// Returns the kind of text expected after a colon of an item: the surface of a geodesic, or the value of an attribute.
@@ -300,16 +323,4 @@ fn part_start(analysis: &GeotraceAnalysis, whole: u32, offset: u32) -> u32 {
         last = at;
     }
     last
-}
-
-/// Returns the item of the function before an underscore.
-fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usize> {
-    for token in analysis.tokens_before(underscore) {
-        match token.kind {
-            TokenKind::Function(id) => return analysis.item_of(id),
-            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
-            _ => return None,
-        }
-    }
-    None
 }
