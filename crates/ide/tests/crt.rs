@@ -340,6 +340,14 @@ fn arguments_are_written_beside_their_names() {
     assert_eq!(read(inside).signature(inside.len() as u32), None);
     let commented = "a = rand(1, -- b";
     assert_eq!(read(commented).signature(commented.len() as u32), None);
+    let modified = "m = Macro (p, q, r) { }\nm(b <scale 2, translate vec3(0, 0, 0)>, ";
+    for (text, active) in [
+        (format!("{modified})"), 1),
+        (modified.replace(">, ", ", "), 0),
+    ] {
+        let found = read(&text).signature(modified.len() as u32 - 1);
+        assert_eq!(found.map(|it| it.active), Some(active), "{text}");
+    }
     let list = "a = rgb(1, [2, ";
     let found = read(list).signature(list.len() as u32).expect("a function");
     assert_eq!((&*found.label, found.active), ("rgb(red, green, blue)", 1));
@@ -419,6 +427,31 @@ fn modifiers_are_completed_and_attributes_with_a_value_alone() {
     ] {
         let labels: Vec<String> = completed(text).into_iter().map(|it| it.label).collect();
         assert_eq!(labels, ["scale", "translate", "rotate"], "{text}");
+    }
+    // Behind a comparison there is a value, behind modifiers an attribute.
+    let names =
+        |text: &str| -> Vec<String> { completed(text).into_iter().map(|it| it.label).collect() };
+    let center = "center".to_owned();
+    assert!(!names("a = Sphere { radius -> 2 > |").contains(&center));
+    assert!(names("a = Sphere { material -> m <scale 2> | }").contains(&center));
+    // Words that would be an error.
+    for (text, word, is_offered) in [
+        ("|", "else", false),
+        ("a = 2\nel|", "else", false),
+        ("while (a) { b = 1 } |", "else", false),
+        ("if (a) { b = 1 } |", "else", true),
+        ("if (a) { b = 1 } else { b = 2 } |", "else", false),
+        (
+            "if (a) { b = 1 } else if (f(b)) { b = 2 } el|",
+            "else",
+            true,
+        ),
+        ("|", "Settings", true),
+        ("Settings|", "Settings", true),
+        ("Settings { }\nS|", "Settings", false),
+        ("S|\nScene { }", "Scene", false),
+    ] {
+        assert_eq!(names(text).contains(&word.to_owned()), is_offered, "{text}");
     }
     // An editor that closes quotes leaves the cursor between them.
     for text in [

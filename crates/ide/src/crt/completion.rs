@@ -22,8 +22,13 @@ enum CompletionPlace {
     Modifier,
     /// Another value.
     Value,
-    /// A statement or an expression outside an object; `true` at top level.
-    Statement(bool),
+    /// A statement or an expression outside an object.
+    Statement {
+        /// It is at top level.
+        is_top: bool,
+        /// An `else` may follow.
+        is_behind_if: bool,
+    },
     /// A comment or a string.
     Nothing,
 }
@@ -79,10 +84,20 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
             list.extend(words.map(|(word, _)| keyword(word)));
         }
         CompletionPlace::Value => expressions(analysis, offset, snippets, list),
-        CompletionPlace::Statement(is_top) => {
+        CompletionPlace::Statement {
+            is_top,
+            is_behind_if,
+        } => {
             expressions(analysis, offset, snippets, list);
+            let tokens = analysis.all_tokens();
+            // The block of the word that is being written does not count.
+            let has = |kind| {
+                let mut others = tokens.iter().filter(|token| token.kind == kind);
+                others.any(|token| token.span.end < start || token.span.start > offset)
+            };
             let words = RESERVED.iter().filter(|(_, kind)| match kind {
-                TokenKind::Settings | TokenKind::Scene => is_top,
+                TokenKind::Settings | TokenKind::Scene => is_top && !has(*kind),
+                TokenKind::Else => is_behind_if,
                 kind => !kind.is_modifier(),
             });
             list.extend(words.map(|(word, _)| keyword(word)));
@@ -229,7 +244,10 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
         .filter(|token| token.kind != TokenKind::Comment)
         .collect();
     let Some(last) = before.last() else {
-        return CompletionPlace::Statement(true);
+        return CompletionPlace::Statement {
+            is_top: true,
+            is_behind_if: false,
+        };
     };
     if begins_modifier(analysis, &before, offset) {
         return CompletionPlace::Modifier;
@@ -244,8 +262,12 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
         }
         depth < 0
     });
+    let is_behind_if = ends_if(&before);
     let Some(open) = open else {
-        return CompletionPlace::Statement(true);
+        return CompletionPlace::Statement {
+            is_top: true,
+            is_behind_if,
+        };
     };
     if before[open].kind != TokenKind::BraceOpen {
         return CompletionPlace::Value;
@@ -259,7 +281,10 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
         }
     });
     let Some(object) = object else {
-        return CompletionPlace::Statement(false);
+        return CompletionPlace::Statement {
+            is_top: false,
+            is_behind_if,
+        };
     };
     let ends_value = matches!(
         last.kind,
@@ -273,8 +298,10 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
             | TokenKind::True
             | TokenKind::False
             | TokenKind::Identifier
-            | TokenKind::Greater
     );
+    let modifier_ends = &analysis.names().modifier_ends;
+    let ends_value = ends_value
+        || last.kind == TokenKind::Greater && modifier_ends.binary_search(&last.span.start).is_ok();
     if ends_value {
         return CompletionPlace::Attribute(
             object,
@@ -289,6 +316,34 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
         }
         _ => CompletionPlace::Value,
     }
+}
+
+/// Returns true if some tokens end with an arm of an `if`.
+fn ends_if(before: &[Token]) -> bool {
+    let mut tokens = before.iter().rev().peekable();
+    if tokens
+        .peek()
+        .is_none_or(|it| it.kind != TokenKind::BraceClose)
+    {
+        return false;
+    }
+    // The braces, and the condition before them.
+    for _ in 0..2 {
+        let mut depth = 0;
+        for token in tokens.by_ref() {
+            match token.kind {
+                TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                    depth += 1;
+                }
+                TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => depth -= 1,
+                _ => {}
+            }
+            if depth <= 0 {
+                break;
+            }
+        }
+    }
+    tokens.next().is_some_and(|it| it.kind == TokenKind::If)
 }
 
 /// Returns true if a modifier is expected after some tokens: after a `<` that is closed on its line, or after a `,` within

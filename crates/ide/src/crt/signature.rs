@@ -18,6 +18,7 @@ pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature
     }
     let before = tokens.iter().filter(|it| it.span.end <= offset);
     let mut before = before.filter(|it| it.kind != TokenKind::Comment).rev();
+    let modifier_ends = &analysis.names().modifier_ends;
     let (mut depth, mut commas) = (0, 0);
     while let Some(token) = before.next() {
         match token.kind {
@@ -37,8 +38,12 @@ pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature
                 }
                 commas = 0;
             }
-            // A list: continue with the bracket around it.
-            TokenKind::BracketOpen => commas = 0,
+            TokenKind::Greater if modifier_ends.binary_search(&token.span.start).is_ok() => {
+                depth += 1;
+            }
+            TokenKind::Modify if depth > 0 => depth -= 1,
+            // A list, or modifiers: continue with the bracket around it.
+            TokenKind::BracketOpen | TokenKind::Modify => commas = 0,
             TokenKind::Comma if depth == 0 => commas += 1,
             _ => {}
         }
