@@ -8,6 +8,7 @@ const fn written(word: &'static str, hint: &'static str, replacement: &'static s
         is_applied: None,
         hint,
         replacement: Some(replacement),
+        is_of_sets: false,
     }
 }
 
@@ -17,6 +18,14 @@ const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
         is_applied: None,
         hint,
         replacement: None,
+        is_of_sets: false,
+    }
+}
+
+const fn of_sets(word: &'static str, hint: &'static str) -> ForeignWord {
+    ForeignWord {
+        is_of_sets: true,
+        ..explained(word, hint)
     }
 }
 
@@ -32,6 +41,7 @@ macro_rules! colour {
                 "`"
             ),
             replacement: Some($value),
+            is_of_sets: false,
         }
     };
 }
@@ -108,15 +118,15 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
             "it is a function before a bracket: write `min(a, b)`",
         )
     },
-    explained("union", UNION),
-    explained("intersection", INTERSECTION),
-    explained("intersect", INTERSECTION),
-    explained("difference", DIFFERENCE),
-    explained("subtract", DIFFERENCE),
-    explained("translate", MOVED),
-    explained("move", MOVED),
-    explained("sphere", SHAPE),
-    explained("box", SHAPE),
+    of_sets("union", UNION),
+    of_sets("intersection", INTERSECTION),
+    of_sets("intersect", INTERSECTION),
+    of_sets("difference", DIFFERENCE),
+    of_sets("subtract", DIFFERENCE),
+    of_sets("translate", MOVED),
+    of_sets("move", MOVED),
+    of_sets("sphere", SHAPE),
+    of_sets("box", SHAPE),
     explained("norm", LENGTH),
     explained("length", LENGTH),
     explained(
@@ -206,6 +216,27 @@ mod tests {
                 let source = format!("define result = 3 {text}(0.5)^2;");
                 assert!(!crate::geotrace::compile(&source).has_errors(), "{text}");
             }
+        }
+    }
+
+    #[test]
+    fn in_a_set_only_words_of_sets_are_explained() {
+        let ball = "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;";
+        for (set, hint) in [
+            ("ball \\ gold", None),
+            ("round", None),
+            ("union(ball, ball)", Some("`a | b`")),
+            ("sphere", Some("solid ball(x, y, z)")),
+        ] {
+            let found = crate::geotrace::compile(&format!("{ball}\nsolid c = {set};")).diagnostics;
+            let found = found.first().expect("an error");
+            let told = found.hint.as_deref();
+            assert_eq!(told.is_some(), hint.is_some(), "{set}: {told:?}");
+            assert!(
+                told.unwrap_or_default().contains(hint.unwrap_or_default()),
+                "{told:?}"
+            );
+            assert_eq!(found.fixes, [], "{set}");
         }
     }
 

@@ -47,6 +47,8 @@ pub struct ForeignWord {
     pub hint: &'static str,
     /// The text that replaces the word, if it is the same in every context.
     pub replacement: Option<&'static str>,
+    /// True if it stands for a solid, or for an operation on solids.
+    pub is_of_sets: bool,
 }
 
 /// The way in which a name is used.

@@ -114,20 +114,40 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// Returns the interval at the start of a text, if its ends are between two brackets of any kind.
+/// Returns the interval at the start of a text, if its ends are between two brackets of any kind, possibly in further ones of
+/// which some are missing.
 pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
+    const OPEN: [char; 3] = ['(', '[', '{'];
+    const CLOSE: [char; 3] = [')', ']', '}'];
     let text = first_item(text);
-    let (a, b) = text
-        .strip_prefix(['(', '[', '{'])?
-        .strip_suffix([')', ']', '}'])?
-        .split_once(',')?;
+    let mut inside = text.strip_prefix(OPEN)?.strip_suffix(CLOSE)?.trim();
+    while let (Some((first, _)), Some(rest)) = (inside.split_once(','), inside.strip_prefix(OPEN))
+        && !is_balanced(first)
+    {
+        inside = rest.strip_suffix(CLOSE).unwrap_or(rest).trim();
+    }
+    let (a, b) = inside.split_once(',')?;
     let ends = [a, b].map(str::trim);
-    let is_plain = |end: &str| !end.is_empty() && !end.contains(',');
+    let is_plain = |end: &str| !end.is_empty() && !end.contains(',') && is_balanced(end);
     ends.into_iter().all(is_plain).then_some(ForeignInterval {
         text,
         parameter: None,
         ends,
     })
+}
+
+/// Returns true if each bracket of a text is closed in it, whatever closes it.
+fn is_balanced(text: &str) -> bool {
+    let mut depth = 0;
+    let is_open = text.bytes().all(|sign| {
+        match sign {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth -= 1,
+            _ => {}
+        }
+        depth >= 0
+    });
+    is_open && depth == 0
 }
 
 /// Returns the vector at the start of a text, if it is written as `<1, 2, 3>`.
@@ -384,7 +404,11 @@ mod tests {
         assert_eq!(written("(0, 2pi);").as_deref(), Some("[0, 2pi]"));
         assert_eq!(written("{0, 1};").as_deref(), Some("[0, 1]"));
         assert_eq!(written("(-1,1), v : [0, 1]").as_deref(), Some("[-1, 1]"));
-        for text in ["(0, 1, 5)", "(0)", "(0, )", "0, 1", ""] {
+        for text in ["([0.5, 3]);", "([0.5, 3];", "( (0.5, 3) );"] {
+            assert_eq!(written(text).as_deref(), Some("[0.5, 3]"), "{text}");
+        }
+        assert_eq!(written("((1 + 2)3, 9)").as_deref(), Some("[(1 + 2)3, 9]"));
+        for text in ["(0, 1, 5)", "(0)", "(0, )", "0, 1", "", "(f(1, 2))"] {
             assert_eq!(written(text), None, "{text}");
         }
     }

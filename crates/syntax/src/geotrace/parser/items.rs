@@ -300,12 +300,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject_unbracketed(components, message))
     }
 
-    /// Rejects a list without brackets around it.
+    /// Rejects a list without brackets around it, or without the opening one.
     pub(super) fn reject_unbracketed(&mut self, list: Span, message: &str) -> Stop {
         let written = format!("({})", list.text(self.source));
+        let is_closed = self.following(list.end) == Some(b')');
+        let fix = match is_closed {
+            true => Fix::insert("Insert `(`", list.start, "("),
+            false => Fix::change(list, &written, true),
+        };
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, list, message)
             .with_hint(format!("write {}", quote(&written)))
-            .with_fix(Fix::change(list, &written, true).with_all());
+            .with_fix(fix.with_all());
         self.reject(diagnostic)
     }
 

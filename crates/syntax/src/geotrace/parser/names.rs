@@ -271,7 +271,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     #[cold]
     pub(super) fn undefined_operand(&mut self) -> Span {
         let span = self.current.span;
-        self.report_undefined();
+        self.report_undefined(true);
         self.state.faulty = true;
         self.state.silent = true;
         self.advance(Mode::Expression);
@@ -301,7 +301,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// Reports and skips an undefined word in place of the name of a surface or a solid.
     #[cold]
     pub(super) fn undefined_function(&mut self) {
-        self.report_undefined();
+        self.report_undefined(false);
         self.state.faulty = true;
         self.state.silent = true;
         self.advance(Mode::Expression);
@@ -317,7 +317,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         all.find(fits).copied()
     }
 
-    fn report_undefined(&mut self) {
+    /// Reports an undefined word; `is_operand` is false in place of the name of a surface or a solid.
+    fn report_undefined(&mut self, is_operand: bool) {
         let span = self.current.span;
         let word = span.text(self.source);
         let known = &self.state.undefined;
@@ -340,7 +341,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let is_applied = self.following(whole_span.end) == Some(b'(');
         let equivalent = [whole, word]
             .into_iter()
-            .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)));
+            .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)))
+            .filter(|(_, foreign)| is_operand || foreign.is_of_sets);
         let mut own = self.undefined_hint(whole, word);
         let form = self
             .field_form()

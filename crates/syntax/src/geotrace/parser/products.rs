@@ -9,6 +9,11 @@ use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 
+/// Returns true for white space within a line.
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t')
+}
+
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `v[1]`, `v(1)`: looks like a component. The current token is a factor after a product.
     #[inline]
@@ -73,7 +78,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let is_fraction = between.is_empty() && next.text(self.source).starts_with('.');
         let is_group = |text: &str| text.len() == 3 && text.bytes().all(|it| it.is_ascii_digit());
-        let is_grouped = between.bytes().all(|byte| byte == b' ')
+        let is_grouped = between.bytes().all(is_blank)
             && !between.is_empty()
             && first
                 .text(self.source)
@@ -86,17 +91,20 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let mut end = next.end;
         while is_grouped
-            && let Some(group) = self.source[end as usize..].strip_prefix(' ')
+            && let rest = &self.source[end as usize..]
+            && let blanks = rest.bytes().take_while(|byte| is_blank(*byte)).count()
+            && let group = &rest[blanks..]
             && let length = group.bytes().take_while(u8::is_ascii_alphanumeric).count()
+            && blanks > 0
             && is_group(&group[..length])
         {
-            end += 1 + length as u32;
+            end += (blanks + length) as u32;
         }
         self.lints.numbers_end = end;
         let place = first.to(Span::new(next.start, end));
         let written = place.text(self.source);
         let parts: Vec<&str> = match is_grouped {
-            true => written.split(' ').filter(|part| !part.is_empty()).collect(),
+            true => written.split_ascii_whitespace().collect(),
             false => vec![first.text(self.source), next.text(self.source)],
         };
         let read = parts.join("*");
@@ -140,7 +148,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 );
                 self.warn(place, message, hint, &[&read]);
             }
-        } else if is_plain && between.bytes().all(|byte| byte == b' ') {
+        } else if is_plain && between.bytes().all(is_blank) {
             let meant = format!("{number}.{behind}");
             let (one, product) = (quote(&meant), quote(&read));
             let hint = format!("write {one} for the number, or {product} if that is meant");
