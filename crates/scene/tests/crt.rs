@@ -187,6 +187,11 @@ fn limits_end_in_errors() {
     // What a round evaluates counts too.
     let wide = format!("i = 0\nwhile (true) {{ {} }}", "i = i + 1 ".repeat(100));
     assert_eq!(codes(&wide), ["work-limit"]);
+    // So does each variable of a chain of pointers.
+    let chain: String = (1..1000).map(|k| format!("a{k} = a{}\n", k - 1)).collect();
+    let sums = "b = 0 ".to_owned() + &"b = a999 + a999 ".repeat(40);
+    let chained = format!("a0 = 1\n{chain}i = 0\nwhile (i < 2000) {{ i = i + 1 {sums} }}");
+    assert_eq!(codes(&chained), ["work-limit"]);
     assert_eq!(codes("m = Macro () { m() }\nm()"), ["call-depth"]);
     assert_eq!(
         codes("a = \"ab\"\nwhile (true) { a = a + a }"),

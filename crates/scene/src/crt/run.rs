@@ -62,6 +62,8 @@ struct ScopeNames {
     /// The scope in which the macro is written.
     parent: Option<usize>,
     names: HashMap<Arc<str>, Binding>,
+    /// The names to which variables point, with the spans of these pointers.
+    pointed: HashMap<Arc<str>, BTreeSet<Span>>,
 }
 
 /// The values assigned to a name at one location.
@@ -98,8 +100,6 @@ pub(super) struct Interpreter<'s> {
     diagnostics: Vec<Diagnostic>,
     /// The entities emitted by the block and the macros in progress, the innermost last.
     emitted: Vec<Emitted>,
-    /// Variables to which others point, with the spans of these pointers.
-    pointed: HashMap<(usize, Arc<str>), BTreeSet<Span>>,
     /// The assigned values, by the spans of the names.
     assigned: HashMap<Span, Assigned>,
     /// The number of assignments.
@@ -130,7 +130,6 @@ impl<'s> Interpreter<'s> {
             next_id: 0,
             diagnostics: Vec::new(),
             emitted: Vec::new(),
-            pointed: HashMap::new(),
             assigned: HashMap::new(),
             assignments: 0,
             given_up,
@@ -477,19 +476,20 @@ impl<'s> Interpreter<'s> {
                 _ => break,
             }
             passed += 1;
+            self.steps += 1;
         }
         let holder = self.find(other, self.scope);
         let holder = holder.map_or(self.scope, |(holder, _)| holder);
         let place = target.to(span).moved(self.base);
-        let places = self.pointed.entry((holder, other.clone())).or_default();
-        places.insert(place);
+        let pointed = &mut self.scopes[holder].pointed;
+        pointed.entry(other.clone()).or_default().insert(place);
         let pointer = Binding::Pointer(other.clone(), span.moved(self.base));
         self.bind(name.clone(), pointer, target);
         Ok(())
     }
 
     fn bind(&mut self, name: Arc<str>, binding: Binding, span: Span) {
-        let pointed = self.pointed.remove(&(self.scope, name.clone()));
+        let pointed = self.scopes[self.scope].pointed.remove(&name);
         let is_faulty = matches!(binding, Binding::Faulty);
         for place in pointed.into_iter().flatten().filter(|_| !is_faulty) {
             let message =
@@ -541,7 +541,7 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Returns the value of a variable; `None` if it has none.
-    pub(super) fn known(&self, name: &str) -> Option<ScriptValue> {
+    pub(super) fn known(&mut self, name: &str) -> Option<ScriptValue> {
         match self.resolved(name) {
             Ok(Binding::Value(value)) => Some(value),
             _ => None,
@@ -549,13 +549,14 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Returns the meaning of a name, following pointers between variables. If there is none, returns the dangling
-    /// pointer, or `None` if the name itself is undefined.
-    fn resolved(&self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
+    /// pointer, or `None` if the name itself is undefined. Each pointer counts as a step.
+    fn resolved(&mut self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
         let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
         // Cycles are refused, but a name bound later in an inner scope might still close one.
         for _ in 0..=MAX_POINTERS {
             match binding {
                 Binding::Pointer(other, place) => {
+                    self.steps += 1;
                     let found = self.find(&other, scope);
                     (scope, binding) = found.ok_or(Some((other, place)))?;
                 }
@@ -812,6 +813,7 @@ impl<'s> Interpreter<'s> {
         self.scopes.push(ScopeNames {
             parent: Some(called.scope),
             names: names.collect(),
+            pointed: HashMap::new(),
         });
         let inner = self.scopes.len() - 1;
         let (scope, base) = (self.scope, self.base);
@@ -823,7 +825,6 @@ impl<'s> Interpreter<'s> {
         let emitted = self.emitted.pop().unwrap_or_default().entities;
         (self.scope, self.base) = (scope, base);
         self.scopes.truncate(inner);
-        self.pointed.retain(|(scope, _), _| *scope < inner);
         done?;
         Ok(ScriptValue::List(Arc::new(List {
             items: emitted.into_iter().map(ScriptValue::Entity).collect(),
