@@ -121,10 +121,28 @@ fn names_of_failed_statements_are_not_reported_again() {
     ] {
         assert_eq!(codes(text), ["division-by-zero"], "{text}");
     }
-    // A value from before stays.
-    let kept = "a = 1\nif (true) { b = 1 / 0  a = 2 }\nc = a + 1";
-    assert_eq!(codes(kept), ["division-by-zero"]);
-    assert_eq!(value(kept, "c").expect("c").text, "2");
+    // A value from before could lead to errors that the script does not have without this one.
+    let old = "a = 0\nif (true) { b = [1, 2][5]  a = 1 }\nc = [1, 2][a - 1]\n";
+    assert_eq!(codes(old), ["index-out-of-range"]);
+    assert_eq!(value(old, "c"), Err(vec![]));
+}
+
+#[test]
+fn an_open_range_is_told_without_its_end() {
+    for (text, word) in [
+        (
+            "SpotLight { origin -> v pointing -> v color -> rgb(1, 1, 1) angle -> 0 }",
+            "angle",
+        ),
+        ("Camera { position -> v pointing -> v fov -> 0 }", "fov"),
+    ] {
+        let found = ran(&format!("v = vec3(0, 0, 0)\na = {text}\n")).diagnostics;
+        let messages: Vec<&str> = found.iter().map(|it| &*it.message).collect();
+        assert_eq!(
+            messages,
+            [format!("`{word}` must be > 0 and ≤ 360, but this is 0")]
+        );
+    }
 }
 
 #[test]

@@ -183,6 +183,10 @@ impl Interpreter<'_> {
                             None if !number.is_finite() => {
                                 format!("`{word}` must be a finite number, but this is {number}")
                             }
+                            None if range.is_open => format!(
+                                "`{word}` must be > {} and ≤ {}, but this is {number}",
+                                range.min, range.max
+                            ),
                             None => format!(
                                 "`{word}` must be from {} to {}, but this is {number}",
                                 range.min, range.max

@@ -300,7 +300,7 @@ impl<'s> Interpreter<'s> {
         // The names that the statement would have assigned have no value.
         let names = &mut self.scopes[self.scope].names;
         statement.each_assigned(&mut |name| {
-            names.entry(name.clone()).or_insert(Binding::Faulty);
+            names.insert(name.clone(), Binding::Faulty);
         });
     }
 
