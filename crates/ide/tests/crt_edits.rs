@@ -66,6 +66,26 @@ fn a_variable_that_may_be_builtin_where_it_is_used_is_not_renamed() {
     );
 }
 
+#[test]
+fn the_command_of_a_converted_script_is_one_line_that_a_shell_reads() {
+    let script = read("Scene { Sphere { center -> vec3(0, 0, 0) radius -> 1 } }");
+    for (file, words) in [
+        ("a.gtr", "a.gtr -o a.png"),
+        ("-d.gtr", "./-d.gtr -o ./-d.png"),
+        ("a b's.gtr", r"'a b'\''s.gtr' -o 'a b'\''s.png'"),
+        (
+            "a\n'b\r.gtr",
+            r"$'a\u000a\'b\u000d.gtr' -o $'a\u000a\'b\u000d.png'",
+        ),
+    ] {
+        let text = script.convert(&[0.0], file).expect("a program");
+        let expected = format!("# geotrace render {words} --view=traced");
+        assert!(text.starts_with(&expected), "{text}");
+        let errors = ide::geotrace::Geotrace.read(&text);
+        assert_eq!(errors.diagnostics().len(), 0, "{text}");
+    }
+}
+
 /// Returns the number of lines with the warning that they continue the line above, in a text that can be read.
 fn continued_lines(text: &str) -> usize {
     let document = Document::new(text, &()).expect("a short text");

@@ -7,7 +7,7 @@ use ide::conversion::ConvertError;
 
 use crate::argument::{Assignment, Format, assignment};
 use crate::failure::Failure;
-use crate::output::{Inputs, OutputTarget};
+use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
@@ -63,7 +63,19 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let text = analysis
         .convert(params.uniforms(), &name)
         .map_err(refused)?;
-    target.write(text.as_bytes())
+    target.write(text.as_bytes())?;
+    if !analysis.links().is_empty() && folder(&arguments.file) != folder(&named) {
+        output::print_error(
+            "note: the images of the script are sought beside the program; with `--images FOLDER`, `render` takes those beside the script\n",
+        );
+    }
+    Ok(())
+}
+
+/// Returns the folder of a file.
+fn folder(file: &Path) -> Option<PathBuf> {
+    let folder = file.parent().filter(|it| !it.as_os_str().is_empty());
+    folder.unwrap_or(Path::new(".")).canonicalize().ok()
 }
 
 fn refused(error: ConvertError) -> Failure {

@@ -33,18 +33,38 @@ pub(super) fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<Stri
     } = converted.ok_or(ConvertError::TooManyLeaves {
         most: MAX_CONVERTED_LEAVES,
     })?;
-    let picture = Path::new(file).with_extension("png").display().to_string();
+    // A word that begins with a `-` is an option.
+    let file = match file.starts_with('-') {
+        true => format!("./{file}"),
+        false => file.to_owned(),
+    };
+    let picture = Path::new(&file).with_extension("png").display().to_string();
     let mut command = "# geotrace render".to_owned();
     let options = options.iter().map(String::as_str);
-    for word in [file, "-o", &picture].into_iter().chain(options) {
+    for word in [&file, "-o", &picture].into_iter().chain(options) {
         command.push(' ');
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
-        if word.chars().all(is_plain) {
-            command.push_str(word);
-        } else {
-            command.push_str(&format!("'{}'", word.replace('\'', r"'\''")));
-        }
+        command.push_str(&shell_word(word));
     }
     let text = format!("{command}\n\n{declarations}");
     Ok(format::laid_out(&text))
+}
+
+/// Returns a word of a command as a shell reads it, on one line.
+fn shell_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
+    if word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    if !word.contains(char::is_control) {
+        return format!("'{}'", word.replace('\'', r"'\''"));
+    }
+    let mut written = String::new();
+    for c in word.chars() {
+        match c {
+            '\'' | '\\' => written.extend(['\\', c]),
+            c if c.is_control() => written.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => written.push(c),
+        }
+    }
+    format!("$'{written}'")
 }

@@ -19,12 +19,13 @@ use super::build;
 use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
 use super::vector;
+use crate::limits::MAX_LEAVES;
 use crate::solid::AffineNodes;
 
 /// The maximum number of leaves of a program.
 pub const MAX_CONVERTED_LEAVES: u64 = 10_000;
-/// The maximum depth of nested brackets before a set is given a name.
-const MAX_BRACKETS: u32 = 16;
+/// The maximum depth of nested brackets before a set is given a name: the least and the greatest.
+const MAX_BRACKETS: std::ops::RangeInclusive<u64> = 16..=128;
 /// The length of a line, in characters, after which a set continues on the next line.
 const LINE: usize = 80;
 /// A plane extends this factor times the extent of the script's positions.
@@ -130,10 +131,14 @@ struct Writer<'w> {
     declarations: String,
     /// The names in use.
     names: HashSet<String>,
+    /// The last number in the names that are similar to a name.
+    numbers: HashMap<String, u32>,
     /// The names of the functions, by their bodies.
     known: HashMap<String, String>,
     /// The extent of planes.
     reach: f64,
+    /// The maximum depth of nested brackets.
+    max_brackets: u32,
 }
 
 impl<'w> Writer<'w> {
@@ -142,32 +147,46 @@ impl<'w> Writer<'w> {
         let mut farthest = 1.0f64;
         let translations = drawn.iter().map(|entity| entity.map.0.map(|row| row[3]));
         let own = drawn.iter().filter_map(|entity| match entity.node() {
-            Some(Node::Object(object)) => Some(object.first.1.0.map(|row| row[3])),
+            Some(Node::Object(object)) => {
+                let map = entity.map.after(&object.first.1);
+                Some(map.0.map(|row| row[3]))
+            }
             _ => None,
         });
         for place in translations.chain(own).chain(camera) {
             farthest = place.iter().fold(farthest, |most, x| most.max(x.abs()));
         }
+        // The leaves of a named set count again in each set that contains it: with n leaves and a name for each b of them,
+        // up to n²/2b are counted.
+        let leaves: u64 = drawn.iter().map(|entity| entity.leaves).sum();
+        let (least, most) = MAX_BRACKETS.into_inner();
+        let max_brackets = (leaves * leaves / MAX_LEAVES).clamp(least, most) as u32;
         Self {
             is_free,
             names: PARAMETERS.map(str::to_owned).into(),
+            numbers: HashMap::new(),
             functions: String::new(),
             declarations: String::new(),
             known: HashMap::new(),
             reach: PLANE_REACH * 10f64.powf(farthest.log10().ceil()),
+            max_brackets,
         }
     }
 
     /// Returns an available name similar to `like`.
     fn free(&mut self, like: &str) -> String {
-        let mut name = like.to_owned();
-        let mut count = 1;
-        while self.names.contains(&name) || !(self.is_free)(&name) {
-            count += 1;
-            name = format!("{like}{count}");
+        let count = self.numbers.entry(like.to_owned()).or_default();
+        loop {
+            *count += 1;
+            let name = match *count {
+                1 => like.to_owned(),
+                count => format!("{like}{count}"),
+            };
+            if !self.names.contains(&name) && (self.is_free)(&name) {
+                self.names.insert(name.clone());
+                return name;
+            }
         }
-        self.names.insert(name.clone());
-        name
     }
 
     fn declare(&mut self, declaration: &str) {
@@ -190,9 +209,12 @@ impl<'w> Writer<'w> {
         }
         let mut done: Vec<SetText> = Vec::new();
         let mut work = vec![WriteStep::Entity(entity, Map::IDENTITY)];
+        let before = self.declarations.len();
         while let Some(next) = work.pop() {
             if self.step(next, &mut work, &mut done).is_none() {
-                return;
+                // Parts that no set uses would be drawn.
+                self.declarations.truncate(before);
+                return self.not_drawn(entity);
             }
         }
         let Some(mut whole) = done.pop() else {
@@ -210,6 +232,12 @@ impl<'w> Writer<'w> {
             });
         }
         self.named(whole);
+    }
+
+    /// Adds a comment in place of a set with a singular map.
+    fn not_drawn(&mut self, entity: &Entity) {
+        let label = entity.label.as_ref().map_or("a set", |(label, _)| label);
+        self.remark(&format!("`{label}` is not drawn: its map is singular"));
     }
 
     /// Takes a step: replaces a set by its operands, adds a leaf or joins the last two parts. `None` if the set is not drawn.
@@ -309,7 +337,7 @@ impl<'w> Writer<'w> {
             }
         };
         [a, b] = [(a, closed[0]), (b, closed[1])].map(|(mut set, closed)| {
-            if closed && set.brackets >= MAX_BRACKETS {
+            if closed && set.brackets >= self.max_brackets {
                 // A part needs no look of its own if the surrounding set states one.
                 let material = set.material.take();
                 let mut atom = self.atom(set);
@@ -431,7 +459,7 @@ impl<'w> Writer<'w> {
         let placed = |own: &Map| swapped(&entity.map.after(own));
         let map = placed(&object.first.1);
         let Some(half) = half_space(&map) else {
-            return;
+            return self.not_drawn(entity);
         };
         let [p, q] = vector::across(half.normal);
         // The half-space behind the direction of a half-plane is omitted; the surface begins at the intersection of
@@ -526,7 +554,7 @@ impl<'w> Writer<'w> {
         self.declare(&text);
     }
 
-    /// Declares the background; returns the value of `--texture` for an image that is not a word.
+    /// Declares the background; returns the value of `--texture` for an image that is not `WORD.png`.
     fn background(&mut self, background: &Background) -> Option<String> {
         let name = self.free("sky");
         let white = [1.0; 3];
@@ -549,12 +577,13 @@ impl<'w> Writer<'w> {
         };
         let mut option = None;
         if let Some(path) = path.filter(|path| is_below(path)) {
-            let word = path.rsplit_once('.').map(|(word, _)| word);
-            match word.filter(|word| is_word(word)) {
-                Some(word) => {
-                    let _ = write!(text, ", image : {word}");
-                }
-                None => option = Some(format!("{name}={path}")),
+            let (word, extension) = path.rsplit_once('.').unwrap_or((path, ""));
+            // The image `a` is the file `a.png` if there is one, whichever others there are.
+            if is_word(word) && matches!(extension, "png" | "jpg" | "jpeg") {
+                let _ = write!(text, ", image : {word}");
+            }
+            if !is_word(word) || extension != "png" {
+                option = Some(format!("{name}={path}"));
             }
             let _ = write!(
                 text,
