@@ -110,6 +110,22 @@ impl Breaks {
         Some(found)
     }
 
+    /// Returns the samples near which an instance is unbounded and at which it is undefined, as grid positions: breaks are
+    /// between samples, so [`Self::find`] finds no such pole. `None` if the instance changes too fast for its samples.
+    pub fn poles_at_samples(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Vec<[u32; 2]>> {
+        let mut search = self.search(uniforms);
+        let cells = search.cells([domain.first(), domain.get(1)])?;
+        let corners = cells.iter().flat_map(|&[i, j]| {
+            let corners = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]];
+            corners.into_iter().take(2 * domain.len())
+        });
+        let mut samples: Vec<[u32; 2]> = corners.collect();
+        samples.sort_unstable();
+        samples.dedup();
+        samples.retain(|sample| search.is_pole_at(domain, *sample));
+        Some(samples)
+    }
+
     /// Returns the limits of the undefined samples of an instance that have one, with their indices; the first parameter
     /// varies fastest.
     pub fn limits(
@@ -261,12 +277,46 @@ impl BreakSearch<'_> {
 
     /// Returns the object's position at parameters, if it is defined there.
     fn place(&mut self, at: [f64; 2]) -> Option<[f64; 3]> {
+        let place = self.value(at);
+        place.iter().all(|x| x.is_finite()).then_some(place)
+    }
+
+    /// Returns the coordinates of the object at parameters, which may be infinite or NaN.
+    fn value(&mut self, at: [f64; 2]) -> [f64; 3] {
         let position = &self.breaks.position;
         let inputs = position.inputs().iter().map(|input| self.input(input, at));
         let inputs: Vec<f64> = inputs.collect();
         let mut out = [f64::NAN; 3];
         position.eval(&mut self.registers, &inputs, &mut out);
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        out
+    }
+
+    /// Returns whether the object is undefined at a sample and unbounded on a way to it.
+    fn is_pole_at(&mut self, domain: &[Sampling], sample: [u32; 2]) -> bool {
+        let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(sample[k])));
+        if self.place(at).is_some() {
+            return false;
+        }
+        let neighbours = (0..domain.len()).flat_map(|axis| {
+            let last = domain[axis].count - 1;
+            let before = sample[axis].checked_sub(1);
+            let behind = Some(sample[axis] + 1).filter(|index| *index <= last);
+            let others = [before, behind].into_iter().flatten();
+            others.map(move |index| (axis, domain[axis].value(index)))
+        });
+        neighbours.into_iter().any(|(axis, from)| {
+            let seen = HALVINGS.map(|n| {
+                let mut near = at;
+                near[axis] += f64::powi(0.5, n) * (from - at[axis]);
+                self.value(near)
+            });
+            // An exponential function of a pole overflows before it.
+            if seen[0].iter().any(|x| x.is_infinite()) {
+                return true;
+            }
+            let is_defined = seen.iter().flatten().all(|x| x.is_finite());
+            is_defined && goes_away(seen, rounding([seen[1], seen[2]]))
+        })
     }
 
     /// Returns whether there is a break between two samples at which the object is defined, and whether it is a pole.
@@ -374,13 +424,21 @@ fn is_doubtful(ends: Sides, sides: Sides) -> bool {
 fn kind_of_break(seen: [Sides; 3]) -> Option<bool> {
     let [first, next, last] = seen;
     let slack = rounding(last);
-    let goes_on = |before: f64, then: f64| then > slack && then >= STEEPEST * before;
-    let is_pole = |k: usize| goes_on(distance(first[k], next[k]), distance(next[k], last[k]));
     let gap = |sides: Sides| distance(sides[0], sides[1]);
-    if is_pole(0) || is_pole(1) {
+    if [0, 1].map(|k| goes_away([first[k], next[k], last[k]], slack)) != [false; 2] {
         return Some(true);
     }
-    goes_on(gap(next), gap(last)).then_some(false)
+    goes_on([gap(next), gap(last)], slack).then_some(false)
+}
+
+/// Returns whether positions nearer and nearer to a point do not converge.
+fn goes_away([first, next, last]: [[f64; 3]; 3], slack: f64) -> bool {
+    goes_on([distance(first, next), distance(next, last)], slack)
+}
+
+/// Returns whether a distance does not vanish nearer to a point.
+fn goes_on([before, then]: [f64; 2], slack: f64) -> bool {
+    then > slack && then >= STEEPEST * before
 }
 
 /// Returns the distance up to which points of this magnitude are the same.

@@ -224,6 +224,50 @@ fn a_pole_is_known_from_a_jump_and_a_cusp_is_no_break() {
 }
 
 #[test]
+fn a_pole_at_a_sample_is_known() {
+    let poles = |object: &str| {
+        let scene = scene(object);
+        let (breaks, domain, uniforms) = breaks(&scene);
+        let found = breaks
+            .expect("a divisor")
+            .poles_at_samples(&domain, &uniforms);
+        found.expect("few")
+    };
+    let curve = |y: &str| poles(&format!("curve c(t) = (t, {y}, 0), t : [-1, 2, 31];"));
+    for position in [
+        "1/t",
+        "1/t - 1/t^2",
+        "log(abs t)",
+        "log t",
+        "1/sqrt(-t)",
+        "exp(1/t)",
+        "(cos t)/sin t",
+    ] {
+        assert_eq!(curve(position), [[10, 0]], "{position}");
+    }
+    assert_eq!(curve("1/(t + 1) + 1/(t - 2)"), [[0, 0], [30, 0]]);
+    for position in [
+        "sin t/t",
+        "t/abs t",
+        "atan(1/t)",
+        "sqrt t/(abs t)^0.2",
+        "sin(1/t)",
+        "1/(t - 0.05)",
+    ] {
+        assert!(curve(position).is_empty(), "{position}");
+    }
+    let surface = |z: &str| {
+        poles(&format!(
+            "surface s(u, v) = (u, v, {z}), u : [-1, 1, 5], v : [-1, 1, 3];"
+        ))
+    };
+    assert_eq!(surface("1/u"), [[2, 0], [2, 1], [2, 2]]);
+    assert_eq!(surface("1/(u^2 + v^2)"), [[2, 1]]);
+    assert_eq!(surface("1/(u - v)"), [[0, 0], [2, 1], [4, 2]]);
+    assert!(surface("u v/(u^2 + v^2)").is_empty());
+}
+
+#[test]
 fn a_gap_in_a_formula_has_its_limit() {
     let limit = |position: &str, at: [f64; 2]| {
         let scene = scene(&format!(

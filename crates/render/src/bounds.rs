@@ -5,12 +5,10 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
-use geometry::Breaks;
 use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, stated_radius};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::ParamValues;
-use scene::{Object, ObjectId, Scene};
+use scene::{Object, ObjectId, ParamValues, Scene};
 use tracer::Ray;
 
 use crate::closed::ClosedSurface;
@@ -18,6 +16,8 @@ use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
 use crate::tips::tips;
+
+mod outliers;
 
 /// The rays along each axis that look for a solid, in a row: 20, and fewer where a scene has thousands of solids, whose points
 /// would take gigabytes.
@@ -37,13 +37,6 @@ const MOST_OPERATIONS: u64 = 1 << 28;
 
 /// Coarse samples of one object.
 const SAMPLES: usize = 40_000;
-/// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
-/// what lies further is an outlier and does not shrink the rest of the picture.
-const REACH: f64 = 2.0;
-/// The same for an object with poles, whose inner box is that of 25 % to 75 % of its samples: a steep pole takes many of them.
-const REACH_TO_POLES: f64 = 1.5;
-/// The number of an object's instances that are searched for poles.
-const SEARCHED: u64 = 16;
 
 /// The place and extent of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -244,15 +237,16 @@ impl ObjectCloud {
         };
         let tape = Tape::new(&scene.graph, &roots);
         let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
-        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
         let mut closed = None;
         let (mut grid, mut counts) = (Vec::new(), [0; 2]);
-        let (mut points, middle): (Vec<[f64; 3]>, _) = if roots.len() == 6 {
+        let (places, middle): (Vec<[f64; 3]>, _) = if roots.len() == 6 {
             let ends = sampler.map(|_, out: &[f64; 6]| {
                 let [x, y, z, dx, dy, dz] = *out;
                 [[x, y, z], [x + dx, y + dy, z + dz]]
             });
-            let ends = ends.into_iter().filter(|ends| ends.iter().all(finite));
+            let ends = ends
+                .into_iter()
+                .filter(|ends| ends.iter().all(outliers::is_finite));
             let ends: Vec<[f64; 3]> = ends.flatten().collect();
             let tip = ends.get(1).copied();
             (ends, tip)
@@ -274,13 +268,13 @@ impl ObjectCloud {
                 let mean = |k: usize| 0.5 * before[k] + 0.5 * at[k];
                 [0, 1, 2].map(mean)
             });
-            let middle = middle.filter(finite);
-            (places.into_iter().filter(finite).collect(), middle)
+            let middle = middle.filter(outliers::is_finite);
+            (places, middle)
         };
-        let outliers = Outliers::of(scene, params, object);
-        let limits: [[f64; 2]; 3] =
-            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect(), outliers));
-        points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
+        let limits = outliers::limits(scene, params, object, sampler.axes(), &places);
+        let is_within = |p: &[f64; 3]| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]);
+        let mut points = places;
+        points.retain(|place| outliers::is_finite(place) && is_within(place));
         Self {
             points,
             middle,
@@ -345,65 +339,4 @@ fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 
     );
     points.retain(|point| point.iter().all(|x| x.is_finite()));
     points
-}
-
-/// The meaning of places far from most of an object.
-#[derive(Clone, Copy, PartialEq)]
-enum Outliers {
-    /// They belong to it as any other: it is continuous.
-    None,
-    /// Some may lead to a place where it has no bound.
-    Some,
-    /// It has poles.
-    Poles,
-}
-
-impl Outliers {
-    fn of(scene: &Scene, params: &ParamValues, object: &Object) -> Self {
-        let domain = object.shape.domain();
-        if domain.is_empty() {
-            return Self::Some;
-        }
-        let Some(breaks) = Breaks::of(scene, params, object) else {
-            let is_known = object.shape.followed().is_empty() && object.shape.position().is_some();
-            return if is_known { Self::None } else { Self::Some };
-        };
-        let mut outliers = Self::None;
-        for instance in 0..params.instance_count(scene, object).min(SEARCHED) {
-            let uniforms = params.instance(scene, object, instance);
-            let found = breaks.find(domain, &uniforms);
-            if found.iter().flatten().any(|it| it.is_pole) {
-                return Self::Poles;
-            }
-            // Within a cell of a surface there may be one that was not found.
-            if found.is_none() || domain.len() > 1 && breaks.may_occur(domain, &uniforms) {
-                outliers = Self::Some;
-            }
-        }
-        outliers
-    }
-}
-
-/// The interval of the values without outliers.
-fn robust(mut values: Vec<f64>, outliers: Outliers) -> [f64; 2] {
-    if values.is_empty() {
-        return [0.0, 0.0];
-    }
-    values.sort_unstable_by(f64::total_cmp);
-    let last = values.len() - 1;
-    let (outer, reach) = match outliers {
-        Outliers::None => return [values[0], values[last]],
-        Outliers::Some => (0.02, REACH),
-        Outliers::Poles => (0.25, REACH_TO_POLES),
-    };
-    let [low, high] =
-        [outer, 1.0 - outer].map(|share| values[(share * last as f64).round() as usize]);
-    let reach = if values.len() < 50 {
-        f64::INFINITY
-    } else {
-        reach * (high - low)
-    };
-    // A box without inner extent (most samples in one plane) has no measure for outliers.
-    let reach = if reach > 0.0 { reach } else { f64::INFINITY };
-    [values[0].max(low - reach), values[last].min(high + reach)]
 }

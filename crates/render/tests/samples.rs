@@ -5,6 +5,7 @@ mod scenes;
 use glam::Vec3;
 use render::bounds::Bounds;
 use render::camera::Camera;
+use render::placement::Placement;
 use render::point::{PixelPoint, WorldPoint};
 use render::sample::{PositionSample, Samples, sample};
 use render::viewpoint::Viewpoint;
@@ -96,6 +97,92 @@ fn a_distant_scene_keeps_its_digits() {
     }
 }
 
+/// The box of a scene in its units: its lower and its upper corner.
+fn corners(bounds: &Bounds) -> [[f64; 3]; 2] {
+    let Placement { centre, radius } = bounds.placement;
+    [-1.0, 1.0].map(|side| [0, 1, 2].map(|k| centre[k] + side * bounds.half[k] * radius))
+}
+
+#[test]
+fn the_box_contains_each_branch_of_an_object_with_poles() {
+    // The places at the ends of the branches, and the size of the box across the pole.
+    let cases = [
+        (
+            "curve c(x) = (x, 1/(x - 1), 0), x : [-2, 2];",
+            1,
+            vec![[-2.0, -1.0 / 3.0, 0.0], [2.0, 1.0, 0.0]],
+        ),
+        (
+            "curve c(x) = (x, 1/x, 0), x : [-1, 2];",
+            1,
+            vec![[-1.0, -1.0, 0.0], [2.0, 0.5, 0.0]],
+        ),
+        (
+            "curve c(x) = (x, (x^2 + 1)/(x - 2), 0), x : [-4, 4];",
+            1,
+            vec![[-4.0, -17.0 / 6.0, 0.0], [4.0, 8.5, 0.0]],
+        ),
+        (
+            "curve c(x) = (x, 0, 1/sin x), x : [0.1, 4];",
+            2,
+            vec![[0.5, 0.0, 2.0], [4.0, 0.0, -1.33]],
+        ),
+        (
+            "surface s(u, v) = (u, v, 1/(u - 0.5)), u : [-1, 1], v : [-1, 1];",
+            2,
+            vec![[-1.0, 1.0, -2.0 / 3.0], [1.0, -1.0, 2.0]],
+        ),
+        (
+            "surface s(u, v) = (u, v, 1/(u - v)), u : [-1, 3], v : [-1, 1];",
+            2,
+            vec![[-1.0, 1.0, -0.5], [3.0, -1.0, 0.25], [3.0, 1.0, 0.5]],
+        ),
+        (
+            "grid k : [1, 3, 3]; curve c(x) = (x, k/(x - k), 0), x : [-4, 4];",
+            1,
+            vec![[-4.0, -0.2, 0.0], [4.0, 3.0, 0.0]],
+        ),
+    ];
+    for (text, axis, places) in cases {
+        let [low, high] = corners(&samples(text).0);
+        for place in places {
+            let is_within = (0..3).all(|k| low[k] - 0.01 <= place[k] && place[k] <= high[k] + 0.01);
+            assert!(is_within, "{text}: {place:?} in {low:?} {high:?}");
+        }
+        assert!(high[axis] - low[axis] < 30.0, "{text}: {low:?} {high:?}");
+    }
+    // Nothing of these is far from the rest, or it is no pole.
+    for (text, axis, ends) in [
+        (
+            "curve c(t) = (t, exp(-100 t^2), 0), t : [-4, 4, 101];",
+            1,
+            [0.0, 1.0],
+        ),
+        ("curve c(t) = (t, t^9, 0), t : [-2, 2];", 1, [-512.0, 512.0]),
+        (
+            "curve c(t) = (t, (sin t)/t, 0), t : [-10, 10, 101];",
+            0,
+            [-10.0, 10.0],
+        ),
+        (
+            "curve c(t) = (t, log t, 0), t : [0, 5, 101];",
+            1,
+            [-3.0, 5.0_f64.ln()],
+        ),
+        (
+            "curve c(t) = (sin(3t), sin(4t), 0), t : [0, 2 pi, 201];",
+            1,
+            [-1.0, 1.0],
+        ),
+    ] {
+        let [low, high] = corners(&samples(text).0).map(|corner| corner[axis]);
+        assert!(
+            (low - ends[0]).abs() < 0.01 && (high - ends[1]).abs() < 0.01,
+            "{text}: {low} {high}"
+        );
+    }
+}
+
 #[test]
 fn a_pole_ends_a_curve_and_opens_a_surface() {
     let (bounds, found) = samples("curve c(t) = (t, tan t, 0), t : [-4, 4, 200];");
@@ -112,6 +199,17 @@ fn a_pole_ends_a_curve_and_opens_a_surface() {
         reach[0] > 3.9 && 2.0 < reach[1] && reach[1] < 10.0,
         "{reach:?}"
     );
+
+    // A pole at a sample, as here at number 50, is one as well.
+    let (at_a_sample, _) = samples("curve c(t) = (t, 1/t, 0), t : [-2, 2, 101];");
+    let (between, _) = samples("curve c(t) = (t, 1/t, 0), t : [-2, 2, 100];");
+    for bounds in [at_a_sample, between] {
+        let reach = bounds.half.map(|half| half * bounds.placement.radius);
+        assert!(
+            reach[0] == 2.0 && 2.0 < reach[1] && reach[1] < 5.0,
+            "{reach:?}"
+        );
+    }
 
     let (_, found) = samples("surface s(u,v) = (u, v, 1/u), u : [-1, 1, 40], v : [0, 1, 10];");
     let Samples::Surfaces {

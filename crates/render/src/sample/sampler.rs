@@ -137,6 +137,11 @@ impl Sampler {
         }
     }
 
+    /// Returns the values of the variables; a single unused value for a missing variable.
+    pub(crate) fn axes(&self) -> &[Vec<f64>; 2] {
+        &self.axes
+    }
+
     /// Returns the numbers of values that the variables have.
     pub(crate) fn counts(&self) -> [usize; 2] {
         [self.axes[0].len(), self.axes[1].len()]
