@@ -5,10 +5,11 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
+use geometry::Breaks;
 use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, stated_radius};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::{Object, ObjectId, ParamValues, Scene};
+use scene::{Object, ObjectId, ParamValues, Range, Sampling, Scene};
 use tracer::Ray;
 
 use crate::closed::ClosedSurface;
@@ -258,11 +259,14 @@ impl ObjectCloud {
                 grid.clone_from(&places);
             }
             let [across, along] = [counts[0] / 2, counts[1] / 2];
-            // Of a curve with an even number of samples it is between two of them.
+            // Of a curve with an even number of samples it is between two of them, unless the curve is interrupted there.
             let before = match counts[1] {
                 1 => counts[0].saturating_sub(1) / 2,
                 _ => across,
             };
+            let between = [before, across].map(|k| sampler.axes()[0][k]);
+            let is_whole = before == across || !is_interrupted(scene, params, object, between);
+            let before = if is_whole { before } else { across };
             let [before, at] = [before, across].map(|k| places.get(along * counts[0] + k));
             let middle = before.zip(at).map(|(before, at)| {
                 let mean = |k: usize| 0.5 * before[k] + 0.5 * at[k];
@@ -293,6 +297,21 @@ impl ObjectCloud {
             ..Self::default()
         }
     }
+}
+
+/// Returns whether the first instance of a curve is interrupted between two parameters.
+fn is_interrupted(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+    [min, max]: [f64; 2],
+) -> bool {
+    let range = Range { min, max };
+    let between = Sampling { range, count: 2 };
+    let breaks = Breaks::of(scene, params, object);
+    let found =
+        breaks.and_then(|breaks| breaks.find(&[between], &params.first_instance(scene, object)));
+    found.is_some_and(|found| !found.is_empty())
 }
 
 /// Places on a solid that rays along the axes find; none on an endless one. Where they take more operations, two corners of

@@ -105,6 +105,33 @@ fn what_is_seen_in_part_has_its_name() {
 }
 
 #[test]
+fn the_name_of_a_curve_that_is_interrupted_in_its_middle_lies_beside_it() {
+    // The second curve has its middle far outside of the picture.
+    for (y, heights) in [("x/abs x", [1.0, -1.0]), ("1/x", [1.9, -1.9])] {
+        let text = format!("curve c(x) = (x, {y}, 0), x : [-2, 2];");
+        let wanted = Wanted::space(SIZE)
+            .with_space(|space| space.camera = Viewpoint::new([0.0, -0.001, 6.0], [0.0; 3]));
+        let plain = request(&text, &wanted);
+        let mut named = plain.clone();
+        named.overlays.labels = true;
+        let words = changed(&software(&plain), &software(&named));
+        assert!(!words.is_empty(), "{y}: no name");
+        let camera = Renderer::software().camera(&plain).expect("a camera");
+        let row = |y: f64| {
+            let place = camera.placement.local(WorldPoint([0.0, y, 0.0]));
+            camera.pixel_of(place).expect("in front").0[1]
+        };
+        let middle = words.iter().map(|[_, y]| f64::from(*y)).sum::<f64>() / words.len() as f64;
+        let off = heights.map(|y| (row(y) - middle).abs());
+        let unit = (row(1.0) - row(0.0)).abs();
+        assert!(
+            off[0].min(off[1]) < 0.7 * unit,
+            "{y}: the name is in row {middle}, off by {off:?}"
+        );
+    }
+}
+
+#[test]
 fn names_stand_out_from_a_dark_image_by_a_solid_halo() {
     let plane =
         "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20]; point p = (0, 0, 0.5);";
