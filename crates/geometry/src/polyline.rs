@@ -19,6 +19,8 @@ pub struct KnotLine {
     pub knots: Vec<Option<Knot>>,
     /// True if it ends because its evaluations are used up.
     pub is_cut: bool,
+    /// True if the last knot that is not `None` is where it ends, before the length of that knot.
+    pub ends_early: bool,
 }
 
 impl KnotLine {
@@ -27,6 +29,7 @@ impl KnotLine {
         Self {
             knots: vec![None; count],
             is_cut: false,
+            ends_early: false,
         }
     }
 }
@@ -87,6 +90,7 @@ pub fn knots_at(
     let rest = one_way(surface, start, &lengths[ahead..], &mut left);
     line.knots.extend(rest.knots);
     line.is_cut |= rest.is_cut;
+    line.ends_early = rest.ends_early;
     line
 }
 
@@ -102,7 +106,7 @@ pub(crate) fn space_knots_at(
     max_evaluations: u64,
 ) -> Result<KnotLine, SpaceTraceError> {
     let mut left = max_evaluations as usize;
-    let mut is_cut = false;
+    let (mut is_cut, mut ends_early) = (false, false);
     let mut one_way = |lengths: &[f64], sign: f64| {
         let options = Options {
             max_evaluations: left,
@@ -111,6 +115,7 @@ pub(crate) fn space_knots_at(
         let found = surface.trace_points(start, direction.map(|x| sign * x), lengths, &options)?;
         left = left.saturating_sub(found.evaluations);
         is_cut |= found.status == Status::WorkLimit;
+        ends_early = found.status != Status::Complete;
         let mut knots: Vec<Option<Knot>> = found.points.into_iter().map(knot_in_space).collect();
         // A geodesic that ends early retains the knot at its end.
         knots.resize(lengths.len(), None);
@@ -121,7 +126,11 @@ pub(crate) fn space_knots_at(
     let mut knots = one_way(&behind, -1.0)?;
     knots.reverse();
     knots.extend(one_way(&lengths[ahead..], 1.0)?);
-    Ok(KnotLine { knots, is_cut })
+    Ok(KnotLine {
+        knots,
+        is_cut,
+        ends_early,
+    })
 }
 
 fn knot_in_space(at: [f64; 3]) -> Option<Knot> {
@@ -140,7 +149,7 @@ fn one_way(
     left: &mut usize,
 ) -> KnotLine {
     let mut knots = Vec::with_capacity(lengths.len());
-    let mut is_cut = false;
+    let (mut is_cut, mut ends_early) = (false, false);
     // The last trace, which contains the direction of the geodesic at its end, and its arc length.
     let mut last: Option<(Trace, f64)> = None;
     let complete = |trace: &Trace| trace.status == Status::Complete;
@@ -165,6 +174,7 @@ fn one_way(
                 }));
                 // A geodesic that ends early retains the knot at its end.
                 if !complete(&trace) {
+                    ends_early = true;
                     is_cut = trace.status == Status::WorkLimit;
                     break;
                 }
@@ -174,7 +184,11 @@ fn one_way(
         }
     }
     knots.resize(lengths.len(), None);
-    KnotLine { knots, is_cut }
+    KnotLine {
+        knots,
+        is_cut,
+        ends_early,
+    }
 }
 
 /// Returns the options of a geodesic from one knot to the next, for a line with `left` evaluations.

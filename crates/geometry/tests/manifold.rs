@@ -98,9 +98,10 @@ fn a_geodesic_whose_evaluations_are_used_up_has_the_knots_before_that() {
     let lengths: Vec<f64> = (-50..=50).map(|k| 3.0 * f64::from(k)).collect();
     let whole = knots_at(manifold.surface(), &start, &lengths, MAX_LINE_EVALUATIONS);
     assert!(!whole.is_cut && whole.knots.iter().all(Option::is_some));
+    assert!(!whole.ends_early);
     // What lies behind the start is followed first.
     let cut = knots_at(manifold.surface(), &start, &lengths, 2_000);
-    assert!(cut.is_cut);
+    assert!(cut.is_cut && cut.ends_early);
     assert!(cut.knots[100].is_none());
     let reached = cut.knots.iter().flatten().count();
     assert!((10..90).contains(&reached), "{reached}");

@@ -358,6 +358,41 @@ fn a_flipped_image_is_the_image_upside_down_in_both_views() {
 }
 
 #[test]
+fn the_edge_of_a_surface_is_no_wavefront() {
+    let text = "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20];";
+    let wanted = Wanted::space(SIZE).with_space(|space| {
+        space.show_camera = Some(GeodesicCamera {
+            zoom: Some(2.0),
+            ..GeodesicCamera::new(ObjectId::new(0)).at([0.5, 0.0])
+        });
+        space.camera = Viewpoint::new([0.0, -0.01, 5.0], [0.0; 3]);
+    });
+    let plain = request(text, &wanted);
+    let mut waves = plain.clone();
+    waves.overlays.wavefronts = Some(render::request::Spacing::Every(0.5));
+    let lines = changed(&software(&plain), &software(&waves));
+    let camera = Renderer::software().camera(&plain).expect("a camera");
+    let is_drawn = |place: [f64; 3]| {
+        let [x, y] = camera
+            .pixel_of(camera.placement.local(WorldPoint(place)))
+            .expect("in front")
+            .0;
+        let is_near = |[a, b]: &[u32; 2]| (f64::from(*a) - x).hypot(f64::from(*b) - y) < 4.0;
+        lines.iter().any(is_near)
+    };
+    assert!(is_drawn([-0.5, 0.0, 0.0]) && is_drawn([0.5, 0.5, 0.0]));
+    for k in 0..100 {
+        let t = -1.0 + 0.02 * f64::from(k);
+        for [x, y] in [[t, -1.0], [1.0, t], [-t, 1.0], [-1.0, -t]] {
+            let share = 2.0 * (x - 0.5).hypot(y);
+            if (share - share.round()).abs() > 0.2 {
+                assert!(!is_drawn([x, y, 0.0]), "at {x}, {y}");
+            }
+        }
+    }
+}
+
+#[test]
 fn of_lines_that_coincide_one_is_seen_without_gaps() {
     // Both run along the equator, by different samples.
     let text = format!(

@@ -210,7 +210,14 @@ pub(crate) fn camera_objects(
                 .into_par_iter()
                 .map(|k| {
                     let start = GeodesicStart::Frame(frame, direction(k));
-                    knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS).knots
+                    let mut line = knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS);
+                    // A ray that ends at the edge of the surface does not reach the next wavefront there.
+                    if line.ends_early
+                        && let Some(end) = line.knots.iter_mut().rfind(|knot| knot.is_some())
+                    {
+                        *end = None;
+                    }
+                    line.knots
                 })
                 .collect();
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
