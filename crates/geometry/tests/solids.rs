@@ -416,6 +416,25 @@ fn what_is_out_of_range_or_undefined_is_noted() {
 }
 
 #[test]
+fn rounding_beyond_the_range_is_not_noted() {
+    for (beyond, faults) in [(1e-14, 0), (1e-6, 1)] {
+        let mut writer = Writer::default();
+        let (one, more) = (writer.number(1.0), writer.number(beyond));
+        let ball = writer.ball(one);
+        let here = writer.identity();
+        let [x, ..] = writer.variables();
+        let colour = writer.scene.graph.add(x, more);
+        let mut leaf = writer.leaf("ball", ball, here);
+        leaf.attributes = Arc::new(vec![stated("color", &[colour], None)]);
+        writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
+        let scene = writer.prepared();
+        let right = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
+        assert_eq!(right.colour, DVec3::ONE);
+        assert_eq!(scene.notes().len(), faults, "{beyond}");
+    }
+}
+
+#[test]
 fn a_background_without_a_colour_is_noted_where_it_is_seen() {
     let (up, down) = (DVec3::Z, DVec3::NEG_Z);
     for (text, seen, fault) in [

@@ -69,6 +69,9 @@ const ALL: [(A, &str); 22] = [
 
 /// The smallest number that counts as positive.
 const POSITIVE: f64 = 1e-12;
+/// A number that is out of range by at most this is within it: at the edge of a surface, a parameter exceeds its interval by
+/// rounding.
+const ROUNDING: f64 = 1e-9;
 /// The maximum opening angle of a camera that is not spherical: its picture is scaled by the tangent of half the angle.
 const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
 
@@ -350,7 +353,8 @@ impl AttributeSet {
         let mut values = [0.0; 4];
         for (value, &number) in values.iter_mut().zip(given) {
             *value = number.clamp(least, most);
-            if *value != number {
+            let is_rounding = (*value - number).abs() <= ROUNDING && *value != POSITIVE;
+            if *value != number && !is_rounding {
                 self.faults
                     .clamped
                     .fetch_or(attribute.bit(), Ordering::Relaxed);
