@@ -103,6 +103,17 @@ fn a_circle_has_its_circumference_and_area() {
     }
     let note = ended["note"].as_str().unwrap_or_default();
     assert!(note.contains("leaves the domain"), "{ended}");
+    // The angle is that of the ray with the stated length: it meets the edge at a distance of 0.1.
+    let square = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
+    let ended = document(square, "--at 0.9,0 --circle 0.5");
+    let note = ended["note"].as_str().unwrap_or_default();
+    let between = |before: &str, behind: &str| -> f64 {
+        let rest = note.split_once(before).expect(note).1;
+        rest.split_once(behind).expect(note).0.parse().expect(note)
+    };
+    let (angle, length) = (between("the ray ", "°"), note.rsplit(' ').next());
+    let length: f64 = length.and_then(|it| it.parse().ok()).expect(note);
+    assert_close("length", length * angle.to_radians().cos(), 0.1, 1e-6);
 }
 
 #[test]

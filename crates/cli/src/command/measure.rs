@@ -367,7 +367,7 @@ fn stopped(stop: &RayStop) -> String {
         Status::Complete | Status::WorkLimit => "reaches the limit of evaluations",
     };
     format!(
-        "the ray {degrees:.0}° from σu towards σv {reason} after {}",
+        "the ray {degrees:.2}° from σu towards σv {reason} after {}",
         show_measured(stop.length)
     )
 }
