@@ -426,6 +426,23 @@ fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_lea
 }
 
 #[test]
+fn a_solid_is_prepared_once_for_its_geodesic_views() {
+    let (scene, params) = compiled("solid b(x, y, z) = x^2 + y^2 + z^2 - 1, color : (x^2, 0, 1);");
+    let mut renderer = Renderer::software();
+    for zoom in [0.5, 0.6, 0.7] {
+        let mut inside = Wanted::geodesic(ObjectId::new(0), [40, 30]);
+        inside.inside().camera.zoom = Some(zoom);
+        renderer
+            .draw(&inside.of(&scene, &params))
+            .expect("a picture");
+        // The 3D view has its own.
+        let space = Wanted::space(SIZE).of(&scene, &params);
+        renderer.draw(&space).expect("a picture");
+        assert_eq!(renderer.counters().worlds, 2, "{zoom}");
+    }
+}
+
+#[test]
 fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
     for backend in BACKENDS {
         let pieces = [

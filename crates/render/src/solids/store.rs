@@ -28,6 +28,8 @@ use super::tables::SceneTables;
 pub(crate) struct SolidStore {
     /// The solids of the 3D view, with their contents.
     solids: Option<(ShownContents, Arc<SolidScene>)>,
+    /// The solid of the geodesic view, with its content.
+    inside: Option<(ShownContents, Arc<SolidScene>)>,
     traced: Option<(TracedKey, Arc<TracedScene>)>,
     /// The number of scenes that were prepared for rays.
     pub(crate) built: u64,
@@ -102,17 +104,19 @@ impl SolidStore {
         if shown.is_empty() {
             return None;
         }
-        let shown = (shown, images_of(request));
-        if let Some((known, solids)) = &self.solids
-            && *known == shown
-        {
-            return Some(solids.clone());
-        }
-        let is_shown = |id: ObjectId| shown.0.iter().any(|(known, ..)| *known == id);
-        let solids = Arc::new(SolidScene::new(request, &is_shown));
-        self.built += 1;
-        self.solids = Some((shown, solids.clone()));
-        Some(solids)
+        Some(kept(&mut self.solids, &mut self.built, request, shown))
+    }
+
+    /// Returns the solid on which the camera of a geodesic view is, with this content.
+    pub(crate) fn inside(
+        &mut self,
+        request: &PictureRequest,
+        id: ObjectId,
+        content: Content,
+    ) -> Arc<SolidScene> {
+        let name = request.scene.get(id).map_or("", |object| &object.name);
+        let shown = vec![(id, name.to_owned(), content)];
+        kept(&mut self.inside, &mut self.built, request, shown)
     }
 
     /// Returns everything that a request of the traced view shows, without hidden objects, in these drawing units and with
@@ -149,8 +153,28 @@ impl SolidStore {
     }
 }
 
+/// Returns the solids of a request that are shown, anew unless they are those of the last picture.
+fn kept(
+    last: &mut Option<(ShownContents, Arc<SolidScene>)>,
+    built: &mut u64,
+    request: &PictureRequest,
+    shown: Vec<(ObjectId, String, Content)>,
+) -> Arc<SolidScene> {
+    let shown = (shown, images_of(request));
+    if let Some((known, solids)) = last
+        && *known == shown
+    {
+        return solids.clone();
+    }
+    let is_shown = |id: ObjectId| shown.0.iter().any(|(known, ..)| *known == id);
+    let solids = Arc::new(SolidScene::new(request, &is_shown));
+    *built += 1;
+    *last = Some((shown, solids.clone()));
+    solids
+}
+
 impl SolidScene {
-    pub(crate) fn new(request: &PictureRequest, shown: &(dyn Fn(ObjectId) -> bool + Sync)) -> Self {
+    fn new(request: &PictureRequest, shown: &(dyn Fn(ObjectId) -> bool + Sync)) -> Self {
         let rays = RayScene::new(
             &request.scene,
             &request.params,

@@ -260,11 +260,15 @@ impl GeodesicRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let (camera, map) = &*self.solids.get(shared, request, options, progress)?;
-        let mut image = resolve_solid(request, camera, map, options.mark_centre);
+        let structures = shared.structures.get(request.scene.arc());
+        let (scene, id) = (&request.scene, camera.object);
+        let content =
+            structures[id.index()].instances(scene, &request.params, &scene.objects[id.index()]);
+        let solid = shared.solids.inside(request, id, content);
+        let mut image = resolve_solid(request, &solid, camera, map, options.mark_centre);
         shared.pixels.count_ends(map.status.len());
         let count = count(&map.status);
         let mut notes = geodesic_view::notes(map.status.len(), count, &map.work, map.estimate);
-        let structures = shared.structures.get(request.scene.arc());
         let mut follow =
             |id, sampling: &_| self.solids.followed(request, &structures, id, sampling);
         let (remarks, overlays) =

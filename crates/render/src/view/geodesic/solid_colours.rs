@@ -71,6 +71,7 @@ impl CheckerBoard {
 /// Colours a map of a solid, on all cores.
 pub(super) fn resolve_solid(
     request: &PictureRequest,
+    scene: &SolidScene,
     camera: &PlacedSolidCamera,
     map: &Map<3>,
     mark_centre: bool,
@@ -81,8 +82,7 @@ pub(super) fn resolve_solid(
         return image;
     }
     let object = camera.object;
-    let scene = SolidScene::new(request, &|id| id == object);
-    let face = face(&scene, camera);
+    let face = face(scene, camera);
     let colour = |at: [f64; 3]| -> [f32; 3] {
         let Some(face) = &face else {
             return style::linear(style::SOLID_COLOUR);
