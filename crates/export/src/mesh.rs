@@ -31,7 +31,7 @@ use render::bounds::Bounds;
 use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
 use render::style;
-use render::texture::Texture;
+use render::texture::{SurfaceImage, Texture};
 use scene::{Object, ObjectId};
 use solid::Fineness;
 
@@ -63,7 +63,7 @@ pub struct Model {
     pub notes: Vec<String>,
 }
 
-/// One object with all its instances.
+/// One object with all its instances that have one image.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// The object.
@@ -82,7 +82,7 @@ pub struct Part {
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// A surface, and its image.
-    Surface(Mesh, Arc<Texture>),
+    Surface(Mesh, SurfaceImage),
     /// Curves, geodesics and vectors.
     Lines(Polylines),
     /// Points.
@@ -207,27 +207,32 @@ fn model_of(request: &PictureRequest, objects: Option<&[ObjectId]>, notes: Vec<S
     }
     for (id, object) in all {
         let own = &*colours[id.index()];
-        let (geometry, notes) = match object.shape.solid() {
+        let (shapes, notes) = match object.shape.solid() {
             Some(_) => {
                 let (mesh, notes) = solid::meshed(scene, params, object, own[0], &mut fineness);
                 let mesh = mesh.filter(|(mesh, _)| !mesh.triangles.is_empty());
-                let plain = |(mesh, colours)| (Geometry::Surface(mesh, Texture::plain()), colours);
-                (mesh.map(plain), notes)
+                let plain = |(mesh, colours)| {
+                    let image = SurfaceImage::open(Texture::plain());
+                    (Geometry::Surface(mesh, image), colours)
+                };
+                (mesh.map(plain).into_iter().collect(), notes)
             }
-            None => geometry(request, id, object, &placement, own),
+            None => shapes(request, id, object, &placement, own),
         };
         model.notes.extend(notes);
-        model.parts.extend(geometry.map(|(geometry, colours)| {
-            let mut part = Part {
-                object: id,
-                name: object.name.clone(),
-                colour: own[0],
-                colours,
-                geometry,
-            };
-            part.join_colours();
-            part
-        }));
+        model
+            .parts
+            .extend(shapes.into_iter().map(|(geometry, colours)| {
+                let mut part = Part {
+                    object: id,
+                    name: object.name.clone(),
+                    colour: own[0],
+                    colours,
+                    geometry,
+                };
+                part.join_colours();
+                part
+            }));
     }
     model
 }
@@ -341,9 +346,9 @@ impl Part {
     fn colours_of_places(&self) -> Vec<[u8; 3]> {
         let own = |place: usize| self.colours.get(place).copied().unwrap_or(self.colour);
         let count = match &self.geometry {
-            Geometry::Surface(mesh, texture) => {
-                if self.colours.is_empty() || !Arc::ptr_eq(texture, &Texture::plain()) {
-                    return mesh.colours_of_places(texture, own);
+            Geometry::Surface(mesh, image) => {
+                if self.colours.is_empty() || !Arc::ptr_eq(&image.texture, &Texture::plain()) {
+                    return mesh.colours_of_places(image, own);
                 }
                 mesh.places.len()
             }
@@ -370,11 +375,15 @@ impl Part {
 impl Mesh {
     /// Returns the image at the first vertex of each point, averaged over the distance to its neighbours, times the
     /// point's own colour.
-    fn colours_of_places(&self, texture: &Texture, own: impl Fn(usize) -> [u8; 3]) -> Vec<[u8; 3]> {
+    fn colours_of_places(
+        &self,
+        image: &SurfaceImage,
+        own: impl Fn(usize) -> [u8; 3],
+    ) -> Vec<[u8; 3]> {
         // The approximate distance between the vertices of an instance, as in a square grid of the same number.
         let vertices = self.vertices.len() as f32 / self.instances.max(1) as f32;
         let step = 1.0 / vertices.sqrt().max(1.0);
-        let sampler = texture.sampler();
+        let sampler = image.sampler();
         let mut colours: Vec<Option<[u8; 3]>> = vec![None; self.places.len()];
         for vertex in &self.vertices {
             let place = vertex.place as usize;
@@ -461,22 +470,22 @@ impl PlaceCount {
 }
 
 /// Returns the shape of an object that is not a solid, if it is defined anywhere, with the colours of its points if its
-/// instances differ in colour, and sentences for the user. `own` are the colours of the instances.
-fn geometry(
+/// instances differ in colour, and sentences for the user; a surface whose instances differ in their images has several
+/// shapes. `own` are the colours of the instances.
+fn shapes(
     request: &PictureRequest,
     id: ObjectId,
     object: &Object,
     placement: &Placement,
     own: &[[u8; 3]],
-) -> (Option<Coloured<Geometry>>, Vec<String>) {
+) -> (Vec<Coloured<Geometry>>, Vec<String>) {
     let (scene, params) = (&*request.scene, &*request.params);
-    let (samples, mut notes) = sample_with_notes(scene, params, id, placement);
+    let (samples, notes) = sample_with_notes(scene, params, id, placement);
     let mut counted = PlaceCount::default();
     let mut colours = Vec::new();
+    let colour_of = |instance: usize| own[instance.min(own.len() - 1)];
     // Gives an instance's colour to its points, up to the total `count`.
-    let mut paint = |instance: usize, count: usize| {
-        colours.resize(count, own[instance.min(own.len() - 1)]);
-    };
+    let mut paint = |instance: usize, count: usize| colours.resize(count, colour_of(instance));
     // A geodesic has samples, but no expression for its position.
     let geometry = match (&samples, object.shape.position()) {
         (Samples::Points(samples), Some(position)) => {
@@ -492,7 +501,7 @@ fn geometry(
         }
         (Samples::Vectors(samples), _) => {
             let Some((direction, origin)) = object.shape.vector() else {
-                return (None, notes);
+                return (Vec::new(), notes);
             };
             let origins = positions(scene, params, object, origin);
             let directions = positions(scene, params, object, direction);
@@ -541,37 +550,55 @@ fn geometry(
         }
         (Samples::Surfaces { count, samples }, Some(position)) => {
             let places = positions(scene, params, object, position);
-            let mut mesh = Mesh::default();
+            let images: Vec<SurfaceImage> = request.image_in_space(id).instances().collect();
+            let empty = |image| (Mesh::default(), image, Vec::new());
+            let mut parts: Vec<(Mesh, SurfaceImage, Vec<[u8; 3]>)> =
+                images.into_iter().map(empty).collect();
+            let last = parts.len() - 1;
             let size = count[0] as usize * count[1] as usize;
             let instances = places.chunks(size).zip(samples.chunks(size));
             for (instance, (places, samples)) in instances.enumerate() {
+                let (mesh, _, colours) = &mut parts[instance.min(last)];
                 for (place, sample) in places.iter().zip(samples) {
                     if sample.defined != 0.0 {
                         counted.is_held(place);
                     }
                 }
                 mesh.add(*count, places, samples);
-                paint(instance, mesh.places.len());
+                colours.resize(mesh.places.len(), colour_of(instance));
             }
-            Geometry::Surface(mesh, request.texture_in_space(id))
+            let parts = parts.into_iter();
+            let shape = |(mesh, image, colours)| (Geometry::Surface(mesh, image), colours);
+            let shapes: Vec<_> = parts.map(shape).collect();
+            return defined(shapes, &counted, &object.name, notes);
         }
-        _ => return (None, notes),
+        _ => return (Vec::new(), notes),
     };
-    let some = match &geometry {
+    defined(vec![(geometry, colours)], &counted, &object.name, notes)
+}
+
+/// Returns those of an object's shapes, at least one, that have an extent, and sentences for the user.
+fn defined(
+    mut shapes: Vec<Coloured<Geometry>>,
+    counted: &PlaceCount,
+    name: &str,
+    mut notes: Vec<String>,
+) -> (Vec<Coloured<Geometry>>, Vec<String>) {
+    let lack = match &shapes[0].0 {
+        Geometry::Surface(..) => "it has no area",
+        Geometry::Lines(_) => "it has no length",
+        Geometry::Points(_) => "it has no place",
+    };
+    shapes.retain(|(geometry, _)| match geometry {
         Geometry::Surface(mesh, _) => !mesh.triangles.is_empty(),
         Geometry::Lines(lines) => !lines.strips.is_empty(),
         Geometry::Points(places) => !places.is_empty(),
-    };
-    notes.extend(counted.note(&object.name, some));
-    if !some && notes.is_empty() {
-        let lack = match &geometry {
-            Geometry::Surface(..) => "it has no area",
-            Geometry::Lines(_) => "it has no length",
-            Geometry::Points(_) => "it has no place",
-        };
-        notes.push(format!("`{}` is left out: {lack}", object.name));
+    });
+    notes.extend(counted.note(name, !shapes.is_empty()));
+    if shapes.is_empty() && notes.is_empty() {
+        notes.push(format!("`{name}` is left out: {lack}"));
     }
-    (some.then_some((geometry, colours)), notes)
+    (shapes, notes)
 }
 
 fn listed(names: &[String]) -> String {

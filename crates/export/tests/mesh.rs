@@ -630,6 +630,52 @@ fn each_instance_has_the_colour_of_its_grid_value() {
 }
 
 #[test]
+fn images_of_gltf_end_at_sides_that_are_not_glued() {
+    let text = "surface square(u,v) = (u, v, 0), u : [0,1,3], v : [0,1,3];".to_owned();
+    let binary = file(
+        &exported(&(text + &SPHERE.replace('N', "9"))),
+        MeshFormat::Glb,
+    );
+    let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");
+    use gltf::texture::WrappingMode::{ClampToEdge, Repeat};
+    let found: Vec<_> = binary
+        .textures()
+        .map(|it| [it.sampler().wrap_s(), it.sampler().wrap_t()])
+        .collect();
+    assert_eq!(found, [[ClampToEdge; 2], [Repeat, ClampToEdge]]);
+}
+
+#[test]
+fn gltf_has_the_curvature_of_each_instance_in_its_own_colours() {
+    let scene = scene(
+        "grid k : [1, 3, 3];
+        surface s(u, v) = (10k, 0, 0) + k (cosu cosv, sinu cosv, sinv), u : [-pi, pi, 9], v : [-pi/2, pi/2, 9],
+            color : (0.9, 0.1, 0.1);",
+    );
+    let params = ParamValues::initial(&scene);
+    let mut request = Wanted::space([1, 1]).of(&scene, &params);
+    request.curved = vec![ObjectId::new(0)];
+    let model = model(&request, None);
+    assert_eq!(model.parts.len(), 3);
+    let binary = file(&model, MeshFormat::Glb);
+    let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");
+    assert_eq!((binary.meshes().count(), binary.images().count()), (3, 3));
+    for material in binary.materials() {
+        let base = material.pbr_metallic_roughness().base_color_factor();
+        assert_eq!(base, [1.0; 4]);
+    }
+    // The share of green in red falls as the curvature grows.
+    let mut greens = [0; 3];
+    for (place, [_, green, _]) in coloured_places(&model) {
+        greens[(place.x / 10.0).round() as usize - 1] = green;
+    }
+    assert!(
+        greens.is_sorted() && greens[0] + 30 < greens[2],
+        "{greens:?}"
+    );
+}
+
+#[test]
 fn gltf_has_the_colour_of_a_solid_or_those_of_its_vertices() {
     let binary = file(&exported(TWO_BALLS), MeshFormat::Glb);
     let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");
@@ -883,7 +929,7 @@ fn what_single_precision_does_not_hold_is_left_open() {
 fn a_closed_surface_has_the_image_that_is_read_from_outside() {
     // σu×σv points inwards on the first, and outwards on the second.
     let image = |source: &str| match &exported(&source.replace('N', "20")).parts[0].geometry {
-        Geometry::Surface(_, texture) => texture.levels()[0].texels.clone(),
+        Geometry::Surface(_, image) => image.texture.levels()[0].texels.clone(),
         _ => panic!("a surface"),
     };
     let inwards = image(SPHERE);
@@ -930,11 +976,11 @@ fn a_colour_that_depends_on_the_place_is_that_of_the_vertices() {
             "{found:?} at {place}"
         );
     }
-    let Geometry::Surface(_, texture) = &model.parts[0].geometry else {
+    let Geometry::Surface(_, image) = &model.parts[0].geometry else {
         panic!("a surface")
     };
     assert!(
-        texture.levels()[0]
+        image.texture.levels()[0]
             .texels
             .iter()
             .all(|texel| texel[1..3] == [0, 0])

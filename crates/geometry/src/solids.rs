@@ -411,7 +411,7 @@ impl RayScene {
             FaceObject::Sheet { sheet, uv } => {
                 let sheet = &self.content.sheet_faces[sheet];
                 let look = &self.content.looks[sheet.look as usize];
-                look.sheet(&sheet.uniforms, sheet.domain, uv, face, paint)
+                look.sheet(sheet, uv, face, paint)
             }
         }
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use scene::{Object, ObjectId, ParamValues, Range, Sampling, Scene};
 use tracer::Ray;
 
-use crate::closed::ClosedSurface;
+use crate::closed::{ClosedSurface, glued_sides};
 use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
@@ -61,6 +61,8 @@ pub(crate) struct ObjectCloud {
     pub(crate) middle: Option<[f64; 3]>,
     /// The shape of its first instance, of a closed surface.
     pub(crate) closed: Option<ClosedSurface>,
+    /// True for u, and for v, if the two sides of its first instance are glued to each other.
+    pub(crate) glued: [bool; 2],
     /// Of a surface, its places row by row, undefined ones and outliers among them; those of each instance are so many
     /// columns and rows.
     pub(crate) grid: Vec<[f64; 3]>,
@@ -238,7 +240,7 @@ impl ObjectCloud {
         };
         let tape = Tape::new(&scene.graph, &roots);
         let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
-        let mut closed = None;
+        let (mut closed, mut glued) = (None, [false; 2]);
         let (mut grid, mut counts) = (Vec::new(), [0; 2]);
         let (places, middle): (Vec<[f64; 3]>, _) = if roots.len() == 6 {
             let ends = sampler.map(|_, out: &[f64; 6]| {
@@ -256,6 +258,7 @@ impl ObjectCloud {
             counts = sampler.counts();
             if object.shape.is_surface() {
                 closed = ClosedSurface::from_grid(&places, counts);
+                glued = glued_sides(&places, counts);
                 grid.clone_from(&places);
             }
             let [across, along] = [counts[0] / 2, counts[1] / 2];
@@ -283,6 +286,7 @@ impl ObjectCloud {
             points,
             middle,
             closed,
+            glued,
             grid,
             counts,
             is_omitted: false,

@@ -1,5 +1,5 @@
-//! Detection of closed surfaces from a coarse grid of points: their outside, and the direction that the centre of the domain
-//! faces.
+//! The sides of surfaces, from a coarse grid of points: which are glued to each other; of closed surfaces their outside, and
+//! the direction that the centre of the domain faces.
 
 use glam::DVec3;
 
@@ -28,31 +28,13 @@ impl ClosedSurface {
         if grid.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
-        let places = || grid.iter().copied().map(DVec3::from);
-        let low = places().fold(DVec3::INFINITY, DVec3::min);
-        let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let (middle, size) = (0.5 * low + 0.5 * high, (high - low).max_element());
-        // Relative to the centre, in units of the size: no product overflows.
-        let at = |i: usize, j: usize| (DVec3::from(grid[j * columns + i]) - middle) / size;
-        let same = |a: DVec3, b: DVec3| a.distance(b) <= SAME;
-        let side = |along_u: bool, k: usize| -> Vec<DVec3> {
-            match along_u {
-                true => (0..columns).map(|i| at(i, k)).collect(),
-                false => (0..rows).map(|j| at(k, j)).collect(),
-            }
-        };
-        let is_closed = |sides: [Vec<DVec3>; 2]| {
-            let mut pairs = sides[0].iter().zip(&sides[1]);
-            let is_point = |side: &Vec<DVec3>| side.iter().all(|&place| same(place, side[0]));
-            pairs.all(|(&a, &b)| same(a, b)) || sides.iter().all(is_point)
-        };
-        let closed = size > 0.0
-            && size.is_finite()
-            && is_closed([side(false, 0), side(false, columns - 1)])
-            && is_closed([side(true, 0), side(true, rows - 1)]);
-        if !closed {
+        let is_closed =
+            |sides: [Vec<DVec3>; 2]| is_glued(&sides) || sides.iter().all(|side| is_point(side));
+        if !sides(grid, [columns, rows])?.into_iter().all(is_closed) {
             return None;
         }
+        let (middle, size) = extent(grid);
+        let at = |i: usize, j: usize| (DVec3::from(grid[j * columns + i]) - middle) / size;
         let (mut volume, mut normal) = (0.0, DVec3::ZERO);
         let is_central = |k: usize, count: usize| (count / 4..count - count / 4 - 1).contains(&k);
         for j in 0..rows - 1 {
@@ -73,6 +55,54 @@ impl ClosedSurface {
             facing: facing.to_array(),
         })
     }
+}
+
+/// Returns true for u, and for v, if the two sides of the first instance of a grid of points, as that of
+/// [`ClosedSurface::from_grid`], are one line: a surface is closed across them. Undefined points are on no side.
+pub(crate) fn glued_sides(grid: &[[f64; 3]], counts: [usize; 2]) -> [bool; 2] {
+    let whole = counts.iter().all(|count| *count > 1) && grid.len() >= counts[0] * counts[1];
+    let sides = whole.then(|| sides(&grid[..counts[0] * counts[1]], counts));
+    let is_seam =
+        |sides: [Vec<DVec3>; 2]| !sides.iter().any(|side| is_point(side)) && is_glued(&sides);
+    sides.flatten().map_or([false; 2], |it| it.map(is_seam))
+}
+
+/// Returns the sides of a grid at the minimum and the maximum of u, then of v, relative to its centre and in units of its
+/// size, so that no product overflows; `None` without a finite size.
+fn sides(grid: &[[f64; 3]], [columns, rows]: [usize; 2]) -> Option<[[Vec<DVec3>; 2]; 2]> {
+    let (middle, size) = extent(grid);
+    if !(size > 0.0 && size.is_finite()) {
+        return None;
+    }
+    let at = |i: usize, j: usize| (DVec3::from(grid[j * columns + i]) - middle) / size;
+    let of_u = [0, columns - 1].map(|i| (0..rows).map(|j| at(i, j)).collect());
+    let of_v = [0, rows - 1].map(|j| (0..columns).map(|i| at(i, j)).collect());
+    Some([of_u, of_v])
+}
+
+/// Returns the middle and the longest side of the box of the finite points.
+fn extent(grid: &[[f64; 3]]) -> (DVec3, f64) {
+    let places = || grid.iter().copied().map(DVec3::from);
+    let finite = || places().filter(|place| place.is_finite());
+    let low = finite().fold(DVec3::INFINITY, DVec3::min);
+    let high = finite().fold(DVec3::NEG_INFINITY, DVec3::max);
+    (0.5 * low + 0.5 * high, (high - low).max_element())
+}
+
+fn same(a: DVec3, b: DVec3) -> bool {
+    a.distance(b) <= SAME
+}
+
+fn is_point(side: &[DVec3]) -> bool {
+    let mut finite = side.iter().filter(|place| place.is_finite());
+    finite
+        .next()
+        .is_none_or(|first| finite.all(|place| same(*place, *first)))
+}
+
+fn is_glued([one, other]: &[Vec<DVec3>; 2]) -> bool {
+    let mut pairs = one.iter().zip(other);
+    pairs.all(|(&a, &b)| same(a, b) || !(a.is_finite() || b.is_finite()))
 }
 
 #[cfg(test)]
@@ -130,5 +160,31 @@ mod tests {
         assert_eq!([half, plane, moebius], [None; 3]);
         let undefined = closed(&grid([0.0, TAU], [0.0, TAU], |_, _| [f64::NAN; 3]));
         assert_eq!(undefined, None);
+    }
+
+    #[test]
+    fn sides_are_glued_where_they_are_one_line() {
+        let glued = |grid: &[[f64; 3]]| glued_sides(grid, [SIDE; 2]);
+        let sphere = |u: f64, v: f64| [v.cos() * u.cos(), v.cos() * u.sin(), v.sin()];
+        let whole = grid([-PI, PI], [-PI / 2.0, PI / 2.0], sphere);
+        assert_eq!(glued(&whole), [true, false], "a pole is a point");
+        let open = grid([-PI, 3.0], [-PI / 2.0, PI / 2.0], sphere);
+        assert_eq!(glued(&open), [false; 2]);
+        // It touches itself in a point.
+        let horn = |u: f64, v: f64| {
+            let r = 1.0 + v.cos();
+            [r * u.cos(), r * u.sin(), v.sin()]
+        };
+        assert_eq!(glued(&grid([0.0, TAU], [-PI, PI], horn)), [true, false]);
+        assert_eq!(glued(&grid([0.0, TAU], [0.0, TAU], horn)), [true; 2]);
+        let moebius = grid([0.0, TAU], [-0.5, 0.5], |u, v| {
+            let r = 1.0 + v * (u / 2.0).cos();
+            [r * u.cos(), r * u.sin(), v * (u / 2.0).sin()]
+        });
+        assert_eq!(glued(&moebius), [false; 2]);
+        // Undefined for half of v.
+        let bowl = |u: f64, v: f64| [v.sqrt() * u.cos(), v.sqrt() * u.sin(), v];
+        assert_eq!(glued(&grid([0.0, TAU], [-1.0, 1.0], bowl)), [true, false]);
+        assert_eq!(glued_sides(&[], [0; 2]), [false; 2]);
     }
 }

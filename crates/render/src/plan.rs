@@ -16,7 +16,7 @@ use scene::{Object, ObjectId, Scene};
 
 pub use crate::sample::Painter;
 use crate::sample::surface_roots;
-use crate::texture::Texture;
+use crate::texture::SurfaceImage;
 
 /// The number of operations (samples × operations per sample) from which on a generated kernel fills an object's samples on
 /// the GPU; below it, f64 blocks are ready before a driver has compiled anything.
@@ -37,6 +37,8 @@ pub struct Plan {
     pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
+    /// The number of samplers of its images.
+    pub samplers: u32,
     /// A sentence for each omission, with the reason.
     pub left_out: Vec<String>,
 }
@@ -150,14 +152,17 @@ impl Plan {
             traced: false,
             overlays: &[],
             textures: 0,
+            samplers: 0,
             left_out: Vec::new(),
         }
     }
 
-    /// Counts the distinct images of these objects.
-    pub(crate) fn count_textures(&mut self, textures: &[Arc<Texture>]) {
-        let images: BTreeSet<_> = textures.iter().map(Arc::as_ptr).collect();
-        self.textures = images.len() as u32;
+    /// Counts the distinct images of these objects, and their samplers.
+    pub(crate) fn count_images(&mut self, images: &[SurfaceImage]) {
+        let textures = images.iter().flat_map(|image| image.texture.instances());
+        let textures: BTreeSet<_> = textures.map(Arc::as_ptr).collect();
+        let samplers: BTreeSet<_> = images.iter().map(|image| image.repeats).collect();
+        (self.textures, self.samplers) = (textures.len() as u32, samplers.len() as u32);
     }
 
     /// Returns the painters in use.
@@ -189,7 +194,7 @@ impl Plan {
             resolve_pipelines: u32::from(geodesic.is_some_and(|view| view.is_table)),
             trace_pipelines: u32::from(self.traced),
             textures,
-            samplers: u32::from(textures > 0),
+            samplers: if textures > 0 { self.samplers } else { 0 },
         }
     }
 }

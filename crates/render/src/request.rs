@@ -13,12 +13,11 @@ use std::sync::Arc;
 use scene::{ObjectId, ParamValues, Scene, stated_word};
 
 use crate::bounds::ObjectCloud;
-use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
 use crate::style;
 use crate::style::Theme;
-use crate::texture::{Proportions, Texture};
+use crate::texture::{Proportions, SurfaceImage, Texture};
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
 
@@ -145,22 +144,25 @@ impl PictureRequest {
         }
     }
 
-    /// Returns the texture of a surface in space. The letters of the built-in one read correctly from the outside of a
-    /// closed surface.
-    pub fn texture_in_space(&self, object: ObjectId) -> Arc<Texture> {
+    /// Returns the image of a surface in space. The letters of the built-in one read correctly from the outside of a closed
+    /// surface.
+    pub fn image_in_space(&self, object: ObjectId) -> SurfaceImage {
         let cloud = |object| ObjectCloud::new(&self.scene, &self.params, object);
-        let closed = self.scene.get(object).map(cloud);
-        self.texture_of_closed(object, closed.and_then(|cloud| cloud.closed))
+        self.image_of_cloud(object, self.scene.get(object).map(cloud).as_ref())
     }
 
-    /// Returns the texture of a surface in space; `closed` describes the surface if it is closed.
-    pub(crate) fn texture_of_closed(
+    /// Returns the image of a surface in space with its coarse points, if they are known.
+    pub(crate) fn image_of_cloud(
         &self,
         object: ObjectId,
-        closed: Option<ClosedSurface>,
-    ) -> Arc<Texture> {
+        cloud: Option<&ObjectCloud>,
+    ) -> SurfaceImage {
+        let closed = cloud.and_then(|cloud| cloud.closed);
         let points_inwards = closed.is_some_and(|closed| !closed.points_outwards);
-        self.texture_seen(object, points_inwards)
+        SurfaceImage {
+            texture: self.texture_seen(object, points_inwards),
+            repeats: cloud.map_or([false; 2], |cloud| cloud.glued),
+        }
     }
 
     /// Returns the texture of a surface. With `from_behind`, the built-in one reads correctly from the side that σu×σv

@@ -12,35 +12,34 @@ use scene::{Object, ObjectId, Range, Sampling, Scene};
 use crate::content::{self, Content};
 use crate::request::{PictureRequest, colour_nodes, srgb_of};
 use crate::shared::Shared;
-use crate::texture::Texture;
+use crate::texture::{self, MOST_INSTANCES, Texture};
 
-/// The number of texels along u and along v.
+/// The number of texels along u and along v, at most.
 const SIDE: u32 = 512;
 /// The same for a picture that moves.
 const MOVING_SIDE: u32 = 256;
 /// The number of textures that are kept although the last picture has not used them.
 const KEPT: usize = 16;
-/// The maximum number of instances that are compared.
-const COMPARED: u64 = 256;
 
-/// Textures of specified colours, by the content of the colour.
+/// Textures of specified colours, by the contents of the colour in the instances.
 #[derive(Debug, Default)]
 pub(crate) struct StatedColours {
     /// The most recently used one is last.
-    known: Vec<(Content, u32, Shared<Texture>)>,
+    known: Vec<(Vec<Content>, u32, Shared<Texture>)>,
 }
 
 impl PictureRequest {
     /// Returns the request with the colours that surfaces specify and that vary from point to point as images, and notes about
     /// what images cannot show of them.
     pub fn with_stated_colours(&self) -> (Cow<'_, Self>, Vec<String>) {
-        (StatedColours::default().textured(self), notes(self))
+        let whole = StatedColours::default().textured(self);
+        let notes = notes(&whole);
+        (whole, notes)
     }
 }
 
 impl StatedColours {
-    /// Returns the request with textures for the surfaces that specify a varying colour and no image. They show the first
-    /// instance.
+    /// Returns the request with textures for the surfaces that specify a varying colour and no image.
     pub(crate) fn textured<'r>(&mut self, request: &'r PictureRequest) -> Cow<'r, PictureRequest> {
         let mut whole = Cow::Borrowed(request);
         let side = if request.moving { MOVING_SIDE } else { SIDE };
@@ -59,18 +58,31 @@ impl StatedColours {
         request: &PictureRequest,
         object: &Object,
         nodes: &[NodeId],
-        side: u32,
+        most_side: u32,
     ) -> Shared<Texture> {
-        let uniforms = request.params.first_instance(&request.scene, object);
+        let (scene, params) = (&request.scene, &request.params);
+        let count = params.instance_count(scene, object).min(MOST_INSTANCES);
+        let instances = (1..count).map(|index| params.instance(scene, object, index));
+        let mut uniforms = vec![params.first_instance(scene, object)];
+        uniforms.extend(instances);
         let domain = object.shape.domain();
-        let graph = &request.scene.graph;
-        let content = content::expressions(graph, nodes, domain, &uniforms);
+        let content =
+            |uniforms: &Vec<f64>| content::expressions(&scene.graph, nodes, domain, uniforms);
+        let mut contents: Vec<Content> = uniforms.iter().map(content).collect();
+        if contents.iter().all(|other| *other == contents[0]) {
+            contents.truncate(1);
+        }
+        uniforms.truncate(contents.len());
+        let side = texture::side(contents.len() as u64, most_side);
         let mut known = self.known.iter();
-        let entry = match known.position(|(known, size, _)| *known == content && *size == side) {
+        let entry = match known.position(|(known, size, _)| *known == contents && *size == side) {
             Some(at) => self.known.remove(at),
             None => {
-                let texture = baked(&request.scene, nodes, domain, &uniforms, side);
-                (content, side, Arc::new(texture).into())
+                let baked = uniforms
+                    .iter()
+                    .map(|it| baked(scene, nodes, domain, it, side));
+                let texture = Texture::of_instances(baked);
+                (contents, side, Arc::new(texture).into())
             }
         };
         let texture = entry.2.clone();
@@ -92,36 +104,25 @@ fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object,
     })
 }
 
-/// Returns sentences about the surfaces in space whose colour varies from point to point and between instances: an image for
-/// each instance would need too much memory.
+/// Returns sentences about the surfaces in space with more instances than images, in a request with these.
 pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
-    let shown = varying(request).filter(|(id, object, _)| {
+    let shown = scene.numbered().filter(|(id, object)| {
         object.shape.is_surface() && options.is_none_or(|options| options.shows(*id))
     });
-    let differs = |object: &Object, nodes: &[NodeId]| {
-        let count = params.instance_count(scene, object).min(COMPARED);
-        let inputs = scene.graph.inputs(nodes);
-        let of_instance = |index: u64| -> Vec<u64> {
-            let uniforms = params.instance(scene, object, index);
-            let number = |input: &Input| match *input {
-                Input::Uniform(k) => uniforms.get(k as usize).map(|number| number.to_bits()),
-                Input::Variable(_) => None,
-            };
-            inputs.iter().filter_map(number).collect()
-        };
-        count > 1 && (1..count).any(|index| of_instance(index) != of_instance(0))
-    };
-    let differing = shown.filter(|(_, object, nodes)| differs(object, nodes));
+    let many = shown.filter(|(id, object)| {
+        let texture = request.chosen_texture(*id);
+        let differs = texture.is_some_and(|texture| texture.arc().instances().count() > 1);
+        differs && params.instance_count(scene, object) > MOST_INSTANCES
+    });
     let sentence = |object: &Object| {
         format!(
-            "all instances of `{}` have the colours of the first one: its `color` depends on the place and on a grid; the traced \
-             view shows those of each",
+            "the instances of `{}` from number {MOST_INSTANCES} on have the colours of that one",
             object.name
         )
     };
-    differing.map(|(_, object, _)| sentence(object)).collect()
+    many.map(|(_, object)| sentence(object)).collect()
 }
 
 /// Returns the colours at the centres of the texels. Undefined ones are white, like a surface without a colour.

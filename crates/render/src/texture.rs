@@ -6,15 +6,19 @@
 mod budget;
 mod curvature;
 mod filter;
+mod instances;
 mod named;
 mod orientation;
 mod proportions;
+mod surface_image;
 
 pub use budget::{MAX_TOTAL_TEXELS, TexelBudget};
 pub use curvature::CurvatureScale;
 pub use filter::Sampler;
+pub(crate) use instances::{MOST_INSTANCES, side};
 pub use named::{missing_file, named_file, named_files};
 pub use proportions::Proportions;
+pub use surface_image::SurfaceImage;
 
 use std::fmt;
 use std::io::{BufRead, Cursor, Seek};
@@ -54,11 +58,13 @@ pub struct Texture {
     _share: Option<Arc<budget::Share>>,
     /// The scale of the colours, for a texture that shows the curvature.
     scale: Option<CurvatureScale>,
+    /// The images of the second and further instances of the surface; none if all show this one.
+    further: Vec<Arc<Texture>>,
 }
 
 impl PartialEq for Texture {
     fn eq(&self, other: &Self) -> bool {
-        self.levels == other.levels
+        self.levels == other.levels && self.further == other.further
     }
 }
 
@@ -226,6 +232,7 @@ impl Texture {
             file: None,
             _share: None,
             scale: None,
+            further: Vec::new(),
         }
     }
 
@@ -283,10 +290,15 @@ impl Texture {
             let Level { size, texels } = &self.levels[0];
             let rows = texels.chunks(size[0] as usize).rev();
             let texels = rows.flatten().copied().collect();
-            Arc::new(Self::chain(Level {
+            let level = Level {
                 size: *size,
                 texels,
-            }))
+            };
+            let further = self.further.iter().map(|it| it.flipped());
+            Arc::new(Self {
+                further: further.collect(),
+                ..Self::chain(level)
+            })
         };
         self.flipped.get_or_init(make).clone()
     }

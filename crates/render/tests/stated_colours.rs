@@ -208,22 +208,34 @@ fn inside_a_solid_a_stated_colour_wins_and_else_the_last_chosen_one() {
 }
 
 #[test]
-fn a_colour_of_the_place_and_a_grid_is_that_of_the_first_instance_and_noted() {
+fn each_instance_has_the_colours_of_its_places_and_its_grid_value() {
+    let gpu = Gpu::shared().expect("a GPU or software Vulkan");
     let text = "grid k : [-1, 1, 3];
-        surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3], v : [-0.3, 0.3], color : (0.5 + u, 0, (1 + k)/2);
-        surface other(u, v) = (u, v, 1), u : [0, 1], v : [0, 1], color : (u, 0, 0);";
+        surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3], v : [-0.3, 0.3],
+            color : ((k(k-1))/2, 1 - k^2, 0.9(k(k+1))/2 + u/9);";
     let scene = scenes::scene(text);
     let eye = SpaceOptions::seen_from([0.0, 0.0, 6.0], [0.0; 3]);
-    let mut params = ParamValues::initial(&scene);
-    let noted = |params: &ParamValues| {
-        let params = Arc::new(params.clone());
-        let request = PictureRequest::new(&scene, params, eye.clone(), [SIDE; 2]);
-        let drawn = Renderer::software().draw(&request).expect("a picture");
-        let notes = drawn.notes.iter().map(|note| note.text().to_owned());
-        notes.collect::<Vec<_>>()
-    };
-    let notes = noted(&params);
+    let params = Arc::new(ParamValues::initial(&scene));
+    let request = PictureRequest::new(&scene, params, eye, [3 * SIDE, SIDE]);
+    for mut renderer in [Renderer::software(), Renderer::on_gpu(gpu)] {
+        let drawn = renderer.draw(&request).expect("a picture");
+        assert_eq!(drawn.notes, []);
+        let image = renderer.read(drawn.image).expect("the device is there");
+        for (x, expected) in [-1.0, 0.0, 1.0].into_iter().zip(0..3) {
+            let found = channel(&image, &request, [x, 0.0, 0.0]);
+            assert_eq!(found, Some(expected), "at {x}");
+        }
+    }
+}
+
+#[test]
+fn instances_beyond_the_last_image_are_noted() {
+    let text = "grid k : [0, 1, 5000];
+        surface s(u, v) = (u, v, k), u : [0, 1, 2], v : [0, 1, 2], color : (u, k, 0);";
+    let scene = scenes::scene(text);
+    let eye = SpaceOptions::seen_from([0.0, 0.0, 6.0], [0.0; 3]);
+    let params = Arc::new(ParamValues::initial(&scene));
+    let request = PictureRequest::new(&scene, params, eye, [SIDE; 2]);
+    let (_, notes) = request.with_stated_colours();
     assert!(notes.len() == 1 && notes[0].contains("`s`"), "{notes:?}");
-    params.set(&scene, "k", &[0.0]).expect("in its interval");
-    assert_eq!(noted(&params), [""; 0]);
 }

@@ -155,7 +155,9 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
     let defaults = render::style::colours(scene, Theme::Screen, model.shows_curvature());
     let colour = |(id, object): (ObjectId, &Object)| {
         let look = model.choices.looks.get(&object.name);
-        let chosen = look.and_then(|look| look.colour);
+        // The colours of curvature are dimmed only.
+        let is_curved = *model.choices.texture(&object.name) == TextureChoice::Curvature;
+        let chosen = look.and_then(|look| look.colour.filter(|_| !is_curved));
         if dims && stale.contains(&object.name) {
             let colour = chosen.unwrap_or(defaults[id.index()]);
             return Some((id, colour.map(|part| (f64::from(part) * DIMMED) as u8)));

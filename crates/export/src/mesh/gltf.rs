@@ -19,7 +19,7 @@ use gltf::json::image::MimeType;
 use gltf::json::material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::scene::UnitQuaternion;
-use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler};
+use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::{Checked, USize64};
 use gltf::json::{
     Accessor, Buffer, Image, Index, Material, Mesh as JsonMesh, Node, Root, Scene, Value,
@@ -29,7 +29,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use super::{ExportError, Geometry, MeshFormat, Model, Part};
 use render::style;
-use render::texture::Texture;
+use render::texture::{SurfaceImage, Texture};
 
 /// A scene is shifted if its distance from the origin exceeds this multiple of its size.
 const FAR: f64 = 64.0;
@@ -79,8 +79,10 @@ pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), Exp
 struct GltfDocument {
     root: Root,
     bytes: Vec<u8>,
-    /// The textures that were added, by image.
-    textures: Vec<(Arc<Texture>, Index<gltf::json::Texture>)>,
+    /// The textures that were added.
+    textures: Vec<(SurfaceImage, Index<gltf::json::Texture>)>,
+    /// The images of these textures.
+    images: Vec<(Arc<Texture>, Index<Image>)>,
     /// The offset that is subtracted from all positions.
     shift: [f32; 3],
 }
@@ -91,6 +93,7 @@ impl GltfDocument {
             root: Root::default(),
             bytes: Vec::new(),
             textures: Vec::new(),
+            images: Vec::new(),
             shift: shift(model),
         };
         document.root.asset.generator = Some(format!("geotrace {}", env!("CARGO_PKG_VERSION")));
@@ -137,8 +140,8 @@ impl GltfDocument {
         let mut attributes = BTreeMap::new();
         // The colours of the vertices, if the part has several.
         let mut colours = part.colours.clone();
-        let (indices, mode, texture) = match &part.geometry {
-            Geometry::Surface(mesh, texture) => {
+        let (indices, mode, image) = match &part.geometry {
+            Geometry::Surface(mesh, image) => {
                 let vertices = &mesh.vertices;
                 let places = vertices.iter().map(|v| mesh.places[v.place as usize]);
                 let positions = self.positions(places);
@@ -152,7 +155,7 @@ impl GltfDocument {
                     .filter_map(|v| part.colours.get(v.place as usize).copied())
                     .collect();
                 let indices = self.indices(mesh.triangles.iter().flatten().copied());
-                (Some(indices), Mode::Triangles, Some(texture))
+                (Some(indices), Mode::Triangles, Some(image))
             }
             Geometry::Lines(lines) => {
                 let positions = self.positions(lines.places.iter().copied());
@@ -172,7 +175,7 @@ impl GltfDocument {
             let colours = self.numbers(light, Type::Vec3);
             attributes.insert(Checked::Valid(Semantic::Colors(0)), colours);
         }
-        let material = self.material(part, texture)?;
+        let material = self.material(part, image)?;
         let primitive = Primitive {
             attributes,
             extensions: None,
@@ -194,16 +197,16 @@ impl GltfDocument {
     fn material(
         &mut self,
         part: &Part,
-        texture: Option<&Arc<Texture>>,
+        image: Option<&SurfaceImage>,
     ) -> Result<Index<Material>, ExportError> {
         // It multiplies the vertices' colours.
         let [r, g, b] = match part.colours.is_empty() {
             true => style::linear(part.colour),
             false => [1.0; 3],
         };
-        let texture = match texture {
-            Some(texture) => Some(Info {
-                index: self.texture(texture)?,
+        let texture = match image {
+            Some(image) => Some(Info {
+                index: self.texture(image)?,
                 tex_coord: 0,
                 extensions: None,
                 extras: Default::default(),
@@ -224,16 +227,43 @@ impl GltfDocument {
         }))
     }
 
-    /// Adds an image, once for all surfaces that show it.
-    fn texture(
-        &mut self,
-        texture: &Arc<Texture>,
-    ) -> Result<Index<gltf::json::Texture>, ExportError> {
-        let known = self
-            .textures
-            .iter()
-            .find(|(of, _)| Arc::ptr_eq(of, texture));
-        if let Some((_, index)) = known {
+    /// Adds a texture, once for all surfaces that show its image in the same way.
+    fn texture(&mut self, image: &SurfaceImage) -> Result<Index<gltf::json::Texture>, ExportError> {
+        let is_same = |of: &SurfaceImage| {
+            Arc::ptr_eq(&of.texture, &image.texture) && of.repeats == image.repeats
+        };
+        if let Some((_, index)) = self.textures.iter().find(|(of, _)| is_same(of)) {
+            return Ok(*index);
+        }
+        let source = self.image(&image.texture)?;
+        let [wrap_s, wrap_t] = image.repeats.map(|repeats| {
+            Checked::Valid(match repeats {
+                true => WrappingMode::Repeat,
+                false => WrappingMode::ClampToEdge,
+            })
+        });
+        let sampler = self.root.push(Sampler {
+            mag_filter: Some(Checked::Valid(MagFilter::Linear)),
+            min_filter: Some(Checked::Valid(MinFilter::LinearMipmapLinear)),
+            wrap_s,
+            wrap_t,
+            ..Sampler::default()
+        });
+        let index = self.root.push(gltf::json::Texture {
+            name: None,
+            sampler: Some(sampler),
+            source,
+            extensions: None,
+            extras: Default::default(),
+        });
+        self.textures.push((image.clone(), index));
+        Ok(index)
+    }
+
+    /// Adds an image, once for all textures that have it.
+    fn image(&mut self, texture: &Arc<Texture>) -> Result<Index<Image>, ExportError> {
+        let is_same = |(of, _): &&(Arc<Texture>, Index<Image>)| Arc::ptr_eq(of, texture);
+        if let Some((_, index)) = self.images.iter().find(is_same) {
             return Ok(*index);
         }
         let level = &texture.levels()[0];
@@ -248,7 +278,7 @@ impl GltfDocument {
             .write_image(&texels, width, height, ExtendedColorType::Rgb8)
             .map_err(io::Error::other)?;
         let view = self.view(file.into_inner(), None);
-        let source = self.root.push(Image {
+        let index = self.root.push(Image {
             buffer_view: Some(view),
             mime_type: Some(MimeType("image/png".to_owned())),
             name: None,
@@ -256,19 +286,7 @@ impl GltfDocument {
             extensions: None,
             extras: Default::default(),
         });
-        let sampler = self.root.push(Sampler {
-            mag_filter: Some(Checked::Valid(MagFilter::Linear)),
-            min_filter: Some(Checked::Valid(MinFilter::LinearMipmapLinear)),
-            ..Sampler::default()
-        });
-        let index = self.root.push(gltf::json::Texture {
-            name: None,
-            sampler: Some(sampler),
-            source,
-            extensions: None,
-            extras: Default::default(),
-        });
-        self.textures.push((texture.clone(), index));
+        self.images.push((texture.clone(), index));
         Ok(index)
     }
 

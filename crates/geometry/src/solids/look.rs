@@ -12,9 +12,11 @@ use scene::ObjectId;
 use tracer::PictureLook;
 use tracer::shade::{Face, FaceLook, Glass};
 
+use super::SheetFace;
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
-/// Returns the linear colour of an image at a part of it; `None` without an image. It multiplies the colour of the object.
+/// Returns the linear colour of a face that has an image, at a part of the image; `None` without an image: then it is the
+/// face's own.
 pub type Paint<'a> = dyn Fn(FaceImage, &ImagePart<'_>) -> Option<DVec3> + Sync + 'a;
 
 /// A part of an image.
@@ -23,6 +25,10 @@ pub struct ImagePart<'a> {
     pub at: [f64; 2],
     /// Returns the sides of a parallelogram around it, 0 for a point.
     pub sides: &'a dyn Fn() -> [[f64; 2]; 2],
+    /// The face's own linear colour, which usually multiplies the image.
+    pub colour: DVec3,
+    /// The instance of a surface; 0 for a solid, all instances of which have one image.
+    pub instance: u64,
 }
 
 /// Returns the linear colour of the background's image at a point of it, as [`Paint`] does for faces.
@@ -176,7 +182,7 @@ impl LookProgram {
                 Box::new((look, image))
             });
             let image = image.map(|at| [at.x, at.y]);
-            return self.painted(*look, image, &|| POINT, paint);
+            return self.painted(*look, image, &|| POINT, 0, paint);
         }
         let variables_at = |position: DVec3, group: usize| match place {
             FacePlace::Anywhere(_) => [f64::NAN; 3],
@@ -210,18 +216,18 @@ impl LookProgram {
                 self.image_side(uniforms, middle, |group| variables_at(beside, group))
             })
         };
-        self.painted(look, image, &sides, paint)
+        self.painted(look, image, &sides, 0, paint)
     }
 
     /// Returns the look of a parametric surface's face at its parameters.
     pub(super) fn sheet(
         &self,
-        uniforms: &[f64],
-        domain: [[f64; 2]; 2],
+        sheet: &SheetFace,
         uv: [f64; 2],
         face: &Face,
         paint: &Paint<'_>,
     ) -> FaceLook {
+        let (uniforms, domain) = (&*sheet.uniforms, sheet.domain);
         let [u, v] = uv;
         let mut look = self.plain();
         let mut image = None;
@@ -260,7 +266,8 @@ impl LookProgram {
                 }
             })
         };
-        self.painted(look, Some(stated.unwrap_or(shares)), &sides, paint)
+        let at = Some(stated.unwrap_or(shares));
+        self.painted(look, at, &sides, sheet.instance, paint)
     }
 
     /// Returns the vector in the image from `middle` to its place at other coordinates, on the shortest way: images repeat.
@@ -306,12 +313,20 @@ impl LookProgram {
         mut look: FaceLook,
         at: Option<[f64; 2]>,
         sides: &dyn Fn() -> [[f64; 2]; 2],
+        instance: u64,
         paint: &Paint<'_>,
     ) -> FaceLook {
+        let colour = look.colour;
+        let part = |at| ImagePart {
+            at,
+            sides,
+            colour,
+            instance,
+        };
         if let (Some(image), Some(at)) = (self.image, at)
-            && let Some(colour) = paint(image, &ImagePart { at, sides })
+            && let Some(colour) = paint(image, &part(at))
         {
-            look.colour *= colour;
+            look.colour = colour;
         }
         look
     }

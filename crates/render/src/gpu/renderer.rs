@@ -25,7 +25,7 @@ use crate::sample::{self, Painter};
 use crate::sample_store::SampleStore;
 use crate::solids::SolidPainter;
 use crate::style::Look;
-use crate::texture::{Proportions, Texture};
+use crate::texture::{Proportions, SurfaceImage, Texture};
 
 /// The bytes of sample buffers that are kept although the last picture has not used them.
 const ALLOWANCE: usize = 16 << 20;
@@ -64,9 +64,9 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) structures: &'a [Structure],
     pub(crate) contents: &'a [Content],
     pub(crate) camera: &'a Camera,
-    /// The look and the texture of an object; `None` for one that is hidden.
+    /// The look and the image of an object; `None` for one that is hidden.
     pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<&'a Look>,
-    pub(crate) texture: &'a dyn Fn(ObjectId) -> Arc<Texture>,
+    pub(crate) image: &'a dyn Fn(ObjectId) -> SurfaceImage,
     /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
     /// The solids, if there are any.
@@ -237,9 +237,9 @@ impl GpuRenderer {
                 continue;
             };
             let buffer = self.buffer(store, scene, id, is_single, &mut notes)?;
-            let texture = |()| (scene.texture)(id);
-            draws.push(self.with_factory(|painters, factory| {
-                painters.draw(factory, painter, view, &buffer, look, texture)
+            let image = |()| (scene.image)(id);
+            draws.extend(self.with_factory(|painters, factory| {
+                painters.draw(factory, painter, view, &buffer, look, image)
             })?);
             progress((id.index() + 1) as f32 / steps);
         }
@@ -248,8 +248,9 @@ impl GpuRenderer {
         for (object, buffer) in scene.overlay.iter().zip(buffers.iter().flatten()) {
             let look = object.look(request.scale);
             let texture = |()| Texture::orientation(Proportions::Even, false);
-            draws.push(self.with_factory(|painters, factory| {
-                painters.draw(factory, object.painter, view, buffer, &look, texture)
+            let image = |()| SurfaceImage::open(texture(()));
+            draws.extend(self.with_factory(|painters, factory| {
+                painters.draw(factory, object.painter, view, buffer, &look, image)
             })?);
         }
         Ok((draws, notes))

@@ -1,6 +1,6 @@
 //! The 3D view: painters into a multisampled target, with the size of the picture or of a tile of it.
 
-use std::sync::Arc;
+use std::ops::Range;
 
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use crate::gpu::{curves, points, vectors};
 use crate::sample::Painter;
 use crate::solids::SolidPainter;
 use crate::style::{self, Look};
-use crate::texture::Texture;
+use crate::texture::SurfaceImage;
 
 /// The longest side of a tile. A tile needs 36 bytes per pixel on the device, 150 MB at this size.
 const TILE: u32 = 2048;
@@ -41,8 +41,8 @@ pub(crate) enum Vertices {
         buffer: wgpu::Buffer,
         /// The number of vertices.
         count: u32,
-        /// The number of instances.
-        instances: u32,
+        /// The instances.
+        instances: Range<u32>,
     },
 }
 
@@ -119,7 +119,7 @@ pub(crate) struct Painters {
 }
 
 impl Painters {
-    /// Returns the draw of an object with its samples and its look; for a surface also its texture. Solids have no samples
+    /// Returns the draws of an object with its samples and its look; for a surface also its image. Solids have no samples
     /// and are drawn together ([`Painters::draw_solids`]).
     pub(crate) fn draw(
         &mut self,
@@ -128,8 +128,8 @@ impl Painters {
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
         look: &Look,
-        texture: impl FnOnce(()) -> Arc<Texture>,
-    ) -> Result<Draw, RenderError> {
+        image: impl FnOnce(()) -> SurfaceImage,
+    ) -> Result<Vec<Draw>, RenderError> {
         let (place, kind) = match painter {
             Painter::Points => (&mut self.points, &points::KIND),
             Painter::Vectors => (&mut self.vectors, &vectors::KIND),
@@ -140,12 +140,12 @@ impl Painters {
                     view,
                     samples,
                     look,
-                    &texture(()),
+                    &image(()),
                 );
             }
         };
         let glyphs = built(place, || Glyphs::new(factory, kind))?;
-        Ok(glyphs.draw(factory, view, samples, look))
+        Ok(vec![glyphs.draw(factory, view, samples, look)])
     }
 
     /// Returns the draw of all solids into a target of this size that begins at a pixel of the picture.
@@ -256,7 +256,7 @@ impl Target {
                     instances,
                 } => {
                     pass.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
-                    pass.draw_indexed(0..*count, 0, 0..*instances);
+                    pass.draw_indexed(0..*count, 0, instances.clone());
                 }
             }
         }

@@ -8,13 +8,14 @@ use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{SampleBuffer, instance_colours};
 use crate::gpu::space::{Draw, Vertices};
 use crate::style::Look;
-use crate::texture::Texture;
+use crate::texture::{SurfaceImage, Texture};
 
 /// The painter, with the images in use.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
     pipeline: wgpu::RenderPipeline,
-    sampler: wgpu::Sampler,
+    /// Samplers, by whether they repeat along u and along v.
+    samplers: Vec<([bool; 2], wgpu::Sampler)>,
     images: Vec<(Arc<Texture>, wgpu::TextureView, bool)>,
     /// Index buffers by the size of their grid. As with images, the last value is true if the current picture uses them.
     indices: Vec<([u32; 2], wgpu::Buffer, bool)>,
@@ -26,21 +27,21 @@ impl Surfaces {
         let pipeline = factory.draw_pipeline("surfaces", &joined);
         Ok(Self {
             pipeline,
-            sampler: factory.sampler([true; 2]),
+            samplers: Vec::new(),
             images: Vec::new(),
             indices: Vec::new(),
         })
     }
 
-    /// Returns the draw of all instances of one object.
+    /// Returns the draws of all instances of one object: one for each image.
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
         look: &Look,
-        texture: &Arc<Texture>,
-    ) -> Result<Draw, RenderError> {
+        image: &SurfaceImage,
+    ) -> Result<Vec<Draw>, RenderError> {
         let patch = Patch {
             count: samples.count,
             first: 0,
@@ -48,18 +49,7 @@ impl Surfaces {
         };
         let patch = factory.gpu.uniform("patch", &patch);
         let colours = instance_colours(factory.gpu, look);
-        let image = self.image(factory, texture);
-        let group = factory.bind(
-            &self.pipeline.get_bind_group_layout(0),
-            &[
-                view.as_entire_binding(),
-                patch.as_entire_binding(),
-                samples.buffer.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&image),
-                wgpu::BindingResource::Sampler(&self.sampler),
-                colours.as_entire_binding(),
-            ],
-        );
+        let sampler = self.sampler(factory, image.repeats);
         let [u, v] = samples.count;
         let count = 6 * u64::from(u - 1) * u64::from(v - 1);
         let limit = factory.gpu.device.limits().max_buffer_size;
@@ -70,16 +60,47 @@ impl Surfaces {
         }
         let buffer = self.grid(factory, samples.count);
         let instances = samples.total / (u * v);
-        let vertices = Vertices::Indexed {
-            buffer,
-            count: count as u32,
-            instances,
+        let last = image.texture.instances().count() as u32 - 1;
+        let textures = (0..instances).zip(image.texture.instances());
+        let draw = |(instance, texture): (u32, &Arc<Texture>)| {
+            let image = self.image(factory, texture);
+            let group = factory.bind(
+                &self.pipeline.get_bind_group_layout(0),
+                &[
+                    view.as_entire_binding(),
+                    patch.as_entire_binding(),
+                    samples.buffer.as_entire_binding(),
+                    wgpu::BindingResource::TextureView(&image),
+                    wgpu::BindingResource::Sampler(&sampler),
+                    colours.as_entire_binding(),
+                ],
+            );
+            let end = if instance < last {
+                instance + 1
+            } else {
+                instances
+            };
+            Draw {
+                pipeline: self.pipeline.clone(),
+                group,
+                vertices: Vertices::Indexed {
+                    buffer: buffer.clone(),
+                    count: count as u32,
+                    instances: instance..end,
+                },
+            }
         };
-        Ok(Draw {
-            pipeline: self.pipeline.clone(),
-            group,
-            vertices,
-        })
+        Ok(textures.map(draw).collect())
+    }
+
+    /// Returns the sampler of images that repeat along these parameters.
+    fn sampler(&mut self, factory: &mut PipelineFactory<'_>, repeats: [bool; 2]) -> wgpu::Sampler {
+        if let Some((_, sampler)) = self.samplers.iter().find(|(known, _)| *known == repeats) {
+            return sampler.clone();
+        }
+        let sampler = factory.sampler(repeats);
+        self.samplers.push((repeats, sampler.clone()));
+        sampler
     }
 
     /// Ends a picture: images and indices that it has not used are dropped.

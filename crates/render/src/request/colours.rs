@@ -18,6 +18,12 @@ impl PictureRequest {
         self.states_colour(object) || self.scene.get(object).is_some_and(is_stated_solid)
     }
 
+    /// Returns true if an object is coloured by its curvature: the colours of a scale are not multiplied by its own.
+    pub fn shows_curvature_of(&self, object: ObjectId) -> bool {
+        let texture = self.own_texture(object);
+        self.curved.contains(&object) || texture.is_some_and(|it| it.curvature_scale().is_some())
+    }
+
     /// Returns true if an object specifies a colour that is the same at all points of an instance.
     pub(super) fn states_colour(&self, object: ObjectId) -> bool {
         let stated = || StatedColour::of(&self.scene, self.scene.get(object)?);
@@ -30,8 +36,10 @@ impl PictureRequest {
     /// Returns the colours of all objects, sRGB, in their order; those of the first instances.
     pub fn object_colours(&self) -> Vec<[u8; 3]> {
         let base = self.unstated_colours();
-        let objects = self.scene.objects.iter();
-        let colours = objects.zip(base).map(|(object, base)| {
+        let colours = self.scene.numbered().zip(base).map(|((id, object), base)| {
+            if self.shows_curvature_of(id) {
+                return base.or_stated(WHITE);
+            }
             let stated = StatedColour::of(&self.scene, object);
             let first = stated.and_then(|mut stated| stated.instances(&self.params).next());
             base.or_stated(first.flatten())
@@ -43,8 +51,10 @@ impl PictureRequest {
     /// last is that of all further instances.
     pub fn instance_colours(&self) -> Vec<Vec<[u8; 3]>> {
         let base = self.unstated_colours();
-        let objects = self.scene.objects.iter();
-        let colours = objects.zip(base).map(|(object, base)| {
+        let colours = self.scene.numbered().zip(base).map(|((id, object), base)| {
+            if self.shows_curvature_of(id) {
+                return vec![base.or_stated(WHITE)];
+            }
             let Some(mut stated) = StatedColour::of(&self.scene, object) else {
                 return vec![base.or_stated(None)];
             };
@@ -84,6 +94,9 @@ impl PictureRequest {
         colours
     }
 }
+
+/// The colour of a surface that is coloured by its curvature.
+const WHITE: Option<[f64; 3]> = Some([1.0; 3]);
 
 /// The colour, sRGB, of an object that specifies none.
 #[derive(Clone, Copy)]

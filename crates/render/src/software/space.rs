@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::sample::Samples;
 use crate::solids::SolidPainter;
 use crate::style::{self, LineStyle, Look};
-use crate::texture::Texture;
+use crate::texture::{Sampler, SurfaceImage};
 use image::RgbaImage;
 use rayon::prelude::*;
 
@@ -42,32 +42,40 @@ pub struct Drawable {
     pub emphasis: f32,
     /// The look of its lines.
     pub line: LineStyle,
-    /// The image of a surface; unused for other kinds.
-    pub texture: Option<Arc<Texture>>,
+    /// The image of a surface; none for other kinds.
+    pub image: Option<SurfaceImage>,
     /// For a surface, one of `stride` columns and rows of samples is drawn.
     pub(crate) stride: usize,
 }
 
 impl Drawable {
     /// Creates an object with its look.
-    pub(crate) fn new(samples: Arc<Samples>, look: &Look, texture: Option<Arc<Texture>>) -> Self {
+    pub(crate) fn new(samples: Arc<Samples>, look: &Look, image: Option<SurfaceImage>) -> Self {
         Self {
             samples,
             colours: look.colours.clone(),
             emphasis: look.emphasis,
             line: look.line,
-            texture,
+            image,
             stride: 1,
         }
     }
 
-    /// Returns the object with one colour for all instances.
+    /// Returns the object with one colour for all instances, and no image.
     pub(super) fn of_one_colour(&self) -> Self {
         let colours = self.colours.iter().take(1).copied().collect();
         Self {
             colours,
+            image: None,
             ..self.clone()
         }
+    }
+
+    /// Returns the number of looks of its instances; the last one is that of all further instances.
+    fn look_count(&self) -> usize {
+        let image = self.image.as_ref();
+        let images = image.map_or(1, |image| image.texture.instances().count());
+        self.colours.len().max(images)
     }
 
     /// Returns the number of the parts of an instance that [`Job::range`] counts.
@@ -85,7 +93,7 @@ impl Drawable {
             colours: Arc::from([[0.0; 3]]),
             emphasis: 0.0,
             line: LineStyle::default(),
-            texture: None,
+            image: None,
             stride: 1,
         }
     }
@@ -176,18 +184,18 @@ fn batch_meshes(eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<Mesh> {
         .collect()
 }
 
-/// Returns the materials of objects, two for each colour; the second one is that of arrowheads.
+/// Returns the materials of objects, two for each look of their instances; the second one is that of arrowheads.
 fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
     let own = objects.iter().flat_map(|object| {
-        let kinds = match &object.texture {
-            Some(texture) => [MaterialKind::Surface(texture.sampler()), MaterialKind::Cone],
-            None => [MaterialKind::Glyph, MaterialKind::Cone],
-        };
-        let colours = object.colours.iter();
-        colours.flat_map(move |colour| {
-            kinds.clone().map(|kind| Material {
+        let samplers = object.image.iter().flat_map(SurfaceImage::samplers);
+        let samplers: Vec<Sampler<'_>> = samplers.collect();
+        (0..object.look_count()).flat_map(move |look| {
+            let sampler = samplers.get(look).or(samplers.last()).cloned();
+            let kind = sampler.map_or(MaterialKind::Glyph, MaterialKind::Surface);
+            let last = object.colours.len() - 1;
+            [kind, MaterialKind::Cone].map(|kind| Material {
                 kind,
-                colour: *colour,
+                colour: object.colours[look.min(last)],
                 emphasis: object.emphasis,
             })
         })
@@ -316,7 +324,7 @@ pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
                 range,
             });
         }
-        material += 2 * object.colours.len() as u32;
+        material += 2 * object.look_count() as u32;
     }
     jobs
 }
@@ -335,10 +343,10 @@ pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
     batches
 }
 
-/// Returns the triangles of a job. Those of instances with colours of their own are separate meshes.
+/// Returns the triangles of a job. Those of instances with looks of their own are separate meshes.
 pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     let object = &objects[job.object];
-    let last = object.colours.len() - 1;
+    let last = object.look_count() - 1;
     if last == 0 {
         return part(eye, object, job.material, job.range.clone());
     }

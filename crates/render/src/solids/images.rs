@@ -7,15 +7,25 @@ use glam::DVec3;
 use scene::{Object, ObjectId};
 
 use crate::request::{PictureRequest, colour_nodes};
-use crate::texture::{Level, Texture};
+use crate::style;
+use crate::texture::{Level, Sampler, SurfaceImage, Texture};
 
 /// The images of the objects of a picture.
 #[derive(Debug)]
 pub(super) struct FaceImages {
     /// The images of whole objects, in the order of their numbers.
-    objects: Vec<(ObjectId, Arc<Texture>)>,
+    objects: Vec<ObjectImage>,
     /// The images that attributes name, by their positions in [`RayScene::images`].
     stated: Vec<Option<Arc<Texture>>>,
+}
+
+/// The image of a whole object.
+#[derive(Debug)]
+struct ObjectImage {
+    object: ObjectId,
+    image: SurfaceImage,
+    /// The linear colour that multiplies the image instead of that of the face.
+    colour: Option<DVec3>,
 }
 
 impl FaceImages {
@@ -30,12 +40,15 @@ impl FaceImages {
                 true => request.own_texture(id).is_some() || colour_nodes(object).is_none(),
                 false => request.chosen_texture(id).is_some(),
             };
-            (chosen && shown(id)).then(|| {
-                let texture = match object.shape.is_surface() {
-                    true => request.texture_in_space(id),
-                    false => request.texture(id),
-                };
-                (id, texture)
+            (chosen && shown(id)).then(|| ObjectImage {
+                object: id,
+                image: match object.shape.is_surface() && !places_image(object) {
+                    true => request.image_in_space(id),
+                    false => repeated(request.texture(id)),
+                },
+                colour: request
+                    .shows_curvature_of(id)
+                    .then(|| light(style::linear(request.srgb(id)))),
             })
         };
         let stated = rays.images().iter();
@@ -46,16 +59,36 @@ impl FaceImages {
         }
     }
 
-    /// Returns the linear colour of a part of the image of a face.
-    pub(super) fn colour(&self, image: FaceImage, part: &ImagePart<'_>) -> Option<DVec3> {
+    /// Returns the linear colour of a part of the image of a face, and that which multiplies it.
+    pub(super) fn colours(&self, face: FaceImage, part: &ImagePart<'_>) -> Option<[DVec3; 2]> {
         let objects = &self.objects;
-        let texture = match objects.binary_search_by_key(&image.object, |(id, _)| *id) {
-            Ok(found) => &objects[found].1,
-            Err(_) => self.stated.get(image.stated?)?.as_ref()?,
-        };
+        let (texture, repeats, colour) =
+            match objects.binary_search_by_key(&face.object, |it| it.object) {
+                Ok(found) => {
+                    let ObjectImage { image, colour, .. } = &objects[found];
+                    let texture = image.texture.of_instance(part.instance);
+                    (texture, image.repeats, *colour)
+                }
+                Err(_) => (self.stated.get(face.stated?)?.as_ref()?, [true; 2], None),
+            };
         let [across, along] = (part.sides)();
         let [at, across, along] = [part.at, across, along].map(|it| it.map(|x| x as f32));
-        Some(light(texture.sample(at, across, along)))
+        let sampler = Sampler::new(texture, [0.0; 2], [1.0; 2], repeats);
+        let image = light(sampler.colour(at, across, along));
+        Some([image, colour.unwrap_or(part.colour)])
+    }
+}
+
+/// Returns true if an object states the position in its image.
+fn places_image(object: &Object) -> bool {
+    object.attributes.iter().any(|it| it.word == "uv")
+}
+
+/// Returns an image that repeats.
+fn repeated(texture: Arc<Texture>) -> SurfaceImage {
+    SurfaceImage {
+        texture,
+        repeats: [true; 2],
     }
 }
 

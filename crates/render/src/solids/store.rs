@@ -201,7 +201,10 @@ impl SolidScene {
 
     /// Returns the look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
-        let paint = |image: FaceImage, part: &ImagePart<'_>| self.images.colour(image, part);
+        let paint = |image: FaceImage, part: &ImagePart<'_>| {
+            let [image, colour] = self.images.colours(image, part)?;
+            Some(image * colour)
+        };
         self.rays.look(face, &paint)
     }
 
@@ -307,8 +310,8 @@ impl TracedScene {
     ) -> R {
         let picture_look = self.rays.picture_look();
         let paint = |image: FaceImage, part: &ImagePart<'_>| {
-            let light = self.images.colour(image, part)?;
-            Some(picture_look.image_light(light))
+            let [light, colour] = self.images.colours(image, part)?;
+            Some(picture_look.image_light(light) * colour)
         };
         let image = self.background.as_deref().map(|image| {
             move |place: [f64; 2]| match picture_look {

@@ -12,12 +12,12 @@ use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use super::{Level, Texture};
+use super::{Level, MOST_INSTANCES, Texture, side};
 use crate::error::RenderError;
 use crate::style::encode;
 use geometry::{Manifold, ManifoldError};
 
-/// The number of texels along u and along v; a multiple of [`LANES`].
+/// The number of texels along u and along v, at most; a multiple of [`LANES`].
 const SIDE: u32 = 512;
 /// The fraction of the surface's area whose curvature the scale always distinguishes. The scale includes the whole surface,
 /// unless the rest would use up the colours of this part.
@@ -47,9 +47,9 @@ pub struct CurvatureScale {
 
 impl Texture {
     /// Creates a texture of a surface or metric coloured by its Gaussian curvature: blue where it is negative, white at
-    /// zero, red where it is positive, grey where it is undefined. For a surface that depends on grids, it shows the first
-    /// instance. The scale is symmetric about zero and includes the whole surface, or almost all of its area if the rest is
-    /// curved far more: [`Texture::curvature_scale`].
+    /// zero, red where it is positive, grey where it is undefined. For a surface that depends on grids, each instance has a
+    /// texture of its own. The scale is symmetric about zero and includes all instances, or almost all of their area if the
+    /// rest is curved far more: [`Texture::curvature_scale`].
     ///
     /// It is valid for these param values only.
     ///
@@ -62,9 +62,16 @@ impl Texture {
     ) -> Result<Arc<Self>, RenderError> {
         let object = scene.get(surface);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
-        let uniforms = params.first_instance(scene, object);
-        let ground = Manifold::new(scene, surface, &uniforms)?;
-        Ok(Arc::new(of_surface(ground.surface())))
+        let count = params.instance_count(scene, object);
+        let instances = (0..count.clamp(1, MOST_INSTANCES)).map(|instance| {
+            let uniforms = match count {
+                0 => params.first_instance(scene, object),
+                _ => params.instance(scene, object, instance),
+            };
+            Manifold::new(scene, surface, &uniforms)
+        });
+        let grounds: Vec<Manifold> = instances.collect::<Result<_, _>>()?;
+        Ok(Arc::new(of_surfaces(&grounds)))
     }
 
     /// Returns the scale of the colours, if this is a [`Texture::curvature`].
@@ -83,33 +90,43 @@ impl CurvatureScale {
     }
 }
 
-fn of_surface(surface: &dyn Surface) -> Texture {
-    let samples = samples(surface);
-    let scale = scale(surface, &samples);
-    let level = Level {
-        size: [SIDE; 2],
-        texels: samples
-            .par_iter()
-            .map(|&(curvature, _)| {
-                let [r, g, b] = scale.colour(curvature);
-                [r, g, b, 255]
-            })
-            .collect(),
-    };
-    Texture {
-        scale: Some(scale),
-        ..Texture::chain(level)
-    }
+/// Returns the texture of the instances of a surface, of which there is at least one.
+fn of_surfaces(grounds: &[Manifold]) -> Texture {
+    let side = side(grounds.len() as u64, SIDE);
+    let instances = grounds.iter().map(|ground| {
+        let surface = ground.surface();
+        (surface, samples(surface, side))
+    });
+    let instances: Vec<(&dyn Surface, Vec<CurvatureSample>)> = instances.collect();
+    let scale = scale(&instances, side);
+    let textures = instances.iter().map(|(_, samples)| {
+        let colour = |&(curvature, _): &CurvatureSample| {
+            let [r, g, b] = scale.colour(curvature);
+            [r, g, b, 255]
+        };
+        let level = Level {
+            size: [side; 2],
+            texels: samples.par_iter().map(colour).collect(),
+        };
+        Texture {
+            scale: Some(scale),
+            ..Texture::chain(level)
+        }
+    });
+    Texture::of_instances(textures)
 }
 
+/// The curvature and the area of a texel.
+type CurvatureSample = (f64, f64);
+
 /// Returns the curvature and the area of each texel, row by row.
-fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
+fn samples(surface: &dyn Surface, side: u32) -> Vec<CurvatureSample> {
     let domain = surface.domain();
     let at = |k: usize, texel: usize| {
         let [low, high] = domain[k];
-        low + (high - low) * (texel as f64 + 0.5) / f64::from(SIDE)
+        low + (high - low) * (texel as f64 + 0.5) / f64::from(side)
     };
-    let side = SIDE as usize;
+    let side = side as usize;
     let mut samples = vec![(f64::NAN, 0.0); side * side];
     let rows = samples.par_chunks_mut(side).enumerate();
     rows.for_each_init(JetBlock::default, |block, (row, samples)| {
@@ -125,10 +142,11 @@ fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
     samples
 }
 
-/// Returns the scale of a surface with these samples.
-fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
-    let mut known: Vec<(f64, f64)> = samples
+/// Returns the scale of surfaces with these samples.
+fn scale(instances: &[(&dyn Surface, Vec<CurvatureSample>)], side: u32) -> CurvatureScale {
+    let mut known: Vec<CurvatureSample> = instances
         .iter()
+        .flat_map(|(_, samples)| samples)
         .filter(|(curvature, area)| curvature.is_finite() && area.is_finite())
         .map(|&(curvature, area)| (curvature.abs(), area))
         .collect();
@@ -139,12 +157,18 @@ fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
         below += area;
         below >= COVERED * all
     });
-    let (domain, stretch) = (surface.domain(), surface.scale().stretch);
-    let lengths = [0, 1].map(|k| stretch[k] * (domain[k][1] - domain[k][0]));
-    let least = FLAT / (lengths[0] * lengths[1]);
+    // The least visible curvature of the smallest instance.
+    let least = instances.iter().map(|(surface, _)| {
+        let (domain, stretch) = (surface.domain(), surface.scale().stretch);
+        let lengths = [0, 1].map(|k| stretch[k] * (domain[k][1] - domain[k][0]));
+        FLAT / (lengths[0] * lengths[1])
+    });
+    let least = least.filter(|it| it.is_finite()).fold(0.0, f64::max);
     let most = found.map_or(0.0, |(curvature, _)| *curvature);
     if most > least {
-        let all = largest(surface, samples).max(most);
+        let largest = instances.par_iter();
+        let largest = largest.map(|(surface, samples)| largest_curvature(*surface, samples, side));
+        let all = largest.reduce(|| most, f64::max);
         let is_clipped = all > MOST_BEYOND * most;
         return CurvatureScale {
             most: if is_clipped { most } else { all },
@@ -152,16 +176,15 @@ fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
         };
     }
     // Flat: rounding errors are white beside a curvature that would be visible.
-    let is_sized = least > 0.0 && least.is_finite();
     CurvatureScale {
-        most: if is_sized { least / FLAT } else { 1.0 },
+        most: if least > 0.0 { least / FLAT } else { 1.0 },
         is_clipped: false,
     }
 }
 
 /// Returns the largest absolute curvature of a surface: a search from the texel with the largest value, with steps that are
 /// halved when none leads to a larger one.
-fn largest(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
+fn largest_curvature(surface: &dyn Surface, samples: &[CurvatureSample], side: u32) -> f64 {
     let known = samples.iter().enumerate();
     let known = known.filter(|(_, (curvature, area))| curvature.is_finite() && area.is_finite());
     let Some((index, _)) = known.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs())) else {
@@ -172,9 +195,8 @@ fn largest(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
         let away = SIDES * (high - low);
         [low + away, high - away]
     });
-    let side = SIDE as usize;
-    let mut steps = domain.map(|[low, high]| (high - low) / f64::from(SIDE));
-    let texel = [index % side, index / side];
+    let mut steps = domain.map(|[low, high]| (high - low) / f64::from(side));
+    let texel = [index % side as usize, index / side as usize];
     let mut at: [f64; 2] =
         std::array::from_fn(|k| domain[k][0] + (texel[k] as f64 + 0.5) * steps[k]);
     let mut most = samples[index].0.abs();

@@ -24,6 +24,7 @@ use crate::point::{PixelPoint, WorldPoint};
 use crate::rendered::{BackendUsed, RenderedImage};
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::style;
+use crate::texture::SurfaceImage;
 use crate::viewpoint::GeodesicCamera;
 use cache::{CachedMap, MapCache, SolidMapCache};
 use solid_colours::resolve_solid;
@@ -155,7 +156,8 @@ impl View for GeodesicView {
             is_table: options.method.is_fan(),
             derivative_operations: derivative_operations(&request.scene, surface),
         });
-        plan.count_textures(&[request.texture_inside(surface)]);
+        let texture = request.texture_inside(surface);
+        plan.count_images(&[SurfaceImage::open(texture)]);
     }
 
     fn renderer(&self) -> Box<dyn ViewRenderer> {

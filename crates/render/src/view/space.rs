@@ -32,7 +32,7 @@ use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
 use crate::stated_colours;
 use crate::style::{self, Look};
-use crate::texture::Texture;
+use crate::texture::SurfaceImage;
 use crate::viewpoint::GeodesicCamera;
 use tracer::shade::Face;
 
@@ -111,22 +111,23 @@ impl View for SpaceView {
     }
 
     fn plan(&self, request: &PictureRequest, plan: &mut Plan) {
+        let (request, _) = &request.with_stated_colours();
         let Some(options) = request.view.get::<SpaceOptions>() else {
             return;
         };
         plan.overlays = overlay::painters(request, options.show_camera.as_ref());
-        let mut textured = Vec::new();
+        let mut images = Vec::new();
         for (id, object) in (0..).map(ObjectId::new).zip(&request.scene.objects) {
             if !options.shows(id) {
                 continue;
             }
             if object.shape.is_surface() {
-                textured.push(request.texture_in_space(id));
+                images.push(request.image_in_space(id));
             }
             let planned = object_plan(&request.scene, &request.params, id, object, plan.gpu);
             plan.objects.extend(planned);
         }
-        plan.count_textures(&textured);
+        plan.count_images(&images);
         plan.left_out
             .push("no resolve pass: the picture is the 3D view".to_owned());
     }
@@ -206,8 +207,8 @@ impl ViewRenderer for SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
-        let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
+        let colour_notes = stated_colours::notes(request);
         let options: &SpaceOptions = request.options()?;
         let PreparedPicture {
             structures,
@@ -231,14 +232,14 @@ impl ViewRenderer for SpaceRenderer {
         let (mut pixels, mut notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
             let shown = |id: ObjectId| options.shows(id).then(|| &looks[id.index()]);
-            let texture = |id| texture(request, &framed, id);
+            let image = |id| image(request, &framed, id);
             let scene = SpaceScene {
                 request,
                 structures: &structures,
                 contents: framed.contents(),
                 camera: &camera,
                 shown: &shown,
-                texture: &texture,
+                image: &image,
                 overlay: &overlay,
                 solids: painter.as_ref(),
                 background,
@@ -541,14 +542,14 @@ fn drawables(
         let sampled = samples.get(scene, &request.params, id, content, &placement);
         notes.extend(sampled.notes(object));
         let is_surface = object.shape.is_surface();
-        let texture = is_surface.then(|| texture(request, framed, id));
+        let image = is_surface.then(|| image(request, framed, id));
         let look = &looks[id.index()];
         let stride = moving.map_or(1, |camera| {
             software::moving_stride(camera, &sampled.samples)
         });
         drawables.push(Drawable {
             stride,
-            ..Drawable::new(sampled.samples, look, texture)
+            ..Drawable::new(sampled.samples, look, image)
         });
         progress(drawables.len() as f32 / scene.objects.len() as f32);
     }
@@ -569,10 +570,9 @@ fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
         .collect()
 }
 
-/// Returns the texture of a surface, as [`PictureRequest::texture_in_space`] does.
-fn texture(request: &PictureRequest, framed: &Framed, id: ObjectId) -> Arc<Texture> {
-    let closed = framed.object(id).and_then(|cloud| cloud.closed);
-    request.texture_of_closed(id, closed)
+/// Returns the image of a surface, as [`PictureRequest::image_in_space`] does.
+fn image(request: &PictureRequest, framed: &Framed, id: ObjectId) -> SurfaceImage {
+    request.image_of_cloud(id, framed.object(id))
 }
 
 /// Returns true if a picture has labels, other than those of its axes.

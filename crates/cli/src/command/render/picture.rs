@@ -32,12 +32,14 @@ pub(super) fn request(
     images: &Images,
 ) -> Result<PictureRequest, Failure> {
     let view = view(arguments, views, program, &params)?;
+    let mut colours = colours(arguments, program)?;
+    colours.retain(|(id, _)| !images.curved.contains(id));
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
         overlays: overlays(arguments),
         theme: arguments.theme,
         scale: arguments.scale as f32,
-        colours: colours(arguments, program)?,
+        colours,
         textures: images.loaded.clone(),
         images: images.named.clone(),
         background_image: images.background.clone(),
@@ -330,18 +332,22 @@ pub(super) fn empty_space(scene: &Scene, view: &ViewPart) -> Option<String> {
     })
 }
 
-/// Notes on colours that are not shown, since the program states others.
+/// Notes on colours that are not shown, since the program states others, or those of curvature are shown.
 pub(super) fn idle_colours(arguments: &Arguments, request: &PictureRequest) -> Vec<String> {
-    let states = |name: &String| {
-        let mut objects = request.scene.objects_named(name);
-        objects.all(|(id, _)| request.keeps_stated_colour(id))
+    let why = |name: &String| {
+        let all = |holds: &dyn Fn(ObjectId) -> bool| {
+            let mut objects = request.scene.objects_named(name);
+            objects.all(|(id, _)| holds(id))
+        };
+        if all(&|id| request.shows_curvature_of(id)) {
+            return Some(format!("`{name}` has the colours of its curvature"));
+        }
+        all(&|id| request.keeps_stated_colour(id))
+            .then(|| format!("the program states a `color` of `{name}`, and that is shown"))
     };
     let names = arguments.colour.iter().map(|chosen| &chosen.object);
-    let idle = names.filter(|name| states(name));
-    idle.map(|name| {
-        format!("--colour {name}: the program states a `color` of `{name}`, and that is shown")
-    })
-    .collect()
+    let idle = names.filter_map(|name| Some(format!("--colour {name}: {}", why(name)?)));
+    idle.collect()
 }
 
 /// Notes on options that the chosen view does not use.

@@ -23,8 +23,8 @@ impl SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
-        let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
+        let colour_notes = stated_colours::notes(request);
         let options: &SpaceOptions = request.options()?;
         let prepared = self.prepare(shared, request, options)?;
         let (drawables, mut notes) =
