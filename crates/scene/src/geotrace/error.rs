@@ -73,6 +73,8 @@ pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
 pub(crate) const FILLED_HOLES: Code = Code("filled-holes");
 /// A background's colour has components in the range of bytes.
 pub(crate) const BRIGHT_BACKGROUND: Code = Code("bright-background");
+/// A light's colour has components in the range of bytes.
+pub(crate) const BRIGHT_LIGHT: Code = Code("bright-light");
 /// There is a background already.
 pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
 /// The value of an attribute, or a background, has the wrong dimension.
@@ -216,6 +218,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         BRIGHT_BACKGROUND,
         "The components of a background's colour are about 0…1: where they are far above that, up to 255, bytes are meant.",
+    ),
+    (
+        BRIGHT_LIGHT,
+        "The components of a light's colour are about 0…1, and `power` makes it brighter: where they are whole numbers up to 255, bytes are meant.",
     ),
     (SECOND_BACKGROUND, "A program has one background."),
     (

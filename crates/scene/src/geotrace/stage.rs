@@ -2,7 +2,7 @@
 
 use expr::value::Value;
 use expr::{NodeId, number};
-use syntax::diagnostic::{Diagnostic, Fix};
+use syntax::diagnostic::{Code, Diagnostic, Fix};
 use syntax::geotrace::actions::{Declaration, Operator};
 use syntax::span::Span;
 
@@ -13,7 +13,7 @@ use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::Lowered;
 use crate::scene::Shape;
-use crate::solid::{Background, Camera, Light};
+use crate::solid::{Attribute, AttributeValue, Background, Camera, Light};
 
 impl Declarations {
     /// `light l = d;`, `light l = @ p;` or `light l = d @ p;`
@@ -49,6 +49,8 @@ impl Declarations {
         let (attributes, stated) = self.stated(declaration.keyword, 0);
         let ((direction, towards), (position, place)) = (direction?, position?);
         let all = self.lowerer.dependencies.union(dependencies, stated);
+        let bytes = self.bytes_of_light(declaration.name, &attributes);
+        self.found.extend(bytes);
         let shape = Shape::Light(Light {
             position,
             direction,
@@ -169,6 +171,24 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
+    /// Returns a warning about a light with a colour of bytes. A light without a `power` may be bright, but hardly by whole
+    /// numbers.
+    fn bytes_of_light(&self, name: &str, attributes: &[Attribute]) -> Option<Diagnostic> {
+        const ONE_ABOVE: f64 = 32.0;
+        if attributes.iter().any(|it| it.word == "power") {
+            return None;
+        }
+        let colour = attributes.iter().find(|it| it.word == "color")?;
+        let AttributeValue::Numbers(nodes) = &colour.value else {
+            return None;
+        };
+        let found = self.lowerer.numbers(nodes);
+        let is_byte = |number: &f64| (0.0..=255.0).contains(number) && number.fract() == 0.0;
+        let is_bright = found.iter().any(|number| *number > ONE_ABOVE);
+        (found.iter().all(is_byte) && is_bright)
+            .then(|| far_too_bright(error::BRIGHT_LIGHT, colour.span, name, found))
+    }
+
     /// Returns a warning about a background that is white wherever its numbers are known, as if they were bytes.
     fn bytes_of_background(
         &self,
@@ -183,16 +203,7 @@ impl Declarations {
         let is_byte = found.iter().all(|number| (0.0..=255.0).contains(number));
         let is_bright = found.iter().all(|number| *number >= ALL_ABOVE)
             || found.iter().any(|number| *number > ONE_ABOVE);
-        if !(is_byte && is_bright) {
-            return None;
-        }
-        let numbers: Vec<String> = found.into_iter().map(number::text).collect();
-        let message = format!(
-            "`{name}` is far brighter than white: ({})",
-            numbers.join(", ")
-        );
-        let hint = "components of colours are 0…1: divide by 255";
-        Some(Diagnostic::warning(error::BRIGHT_BACKGROUND, span, message).with_hint(hint))
+        (is_byte && is_bright).then(|| far_too_bright(error::BRIGHT_BACKGROUND, span, name, found))
     }
 
     /// Returns red, green and blue of a value.
@@ -213,4 +224,15 @@ impl Declarations {
         self.found.push(error.at(span));
         None
     }
+}
+
+/// Returns a warning about a colour of bytes.
+fn far_too_bright(code: Code, span: Span, name: &str, colour: Vec<f64>) -> Diagnostic {
+    let numbers: Vec<String> = colour.into_iter().map(number::text).collect();
+    let message = format!(
+        "`{name}` is far brighter than white: ({})",
+        numbers.join(", ")
+    );
+    let hint = "components of colours are 0…1: divide by 255";
+    Diagnostic::warning(code, span, message).with_hint(hint)
 }
