@@ -128,6 +128,45 @@ fn the_lines_of_a_figure_lie_on_those_of_the_picture_and_end_where_they_are_hidd
 }
 
 #[test]
+fn lines_for_print_contrast_with_white_paper_and_marks_are_rings() {
+    let folder = folder();
+    let lines = "--show-camera wall --path wall=-1,0:0,0 --figure wall=distance:-1,1:-1.5,-1 --wavefronts 0.3";
+    let view = "--theme print --eye 1,-9,0 --target -1,0,0 --size 600x600 --texture wall=plain --zoom 0.8 --at -1,0";
+    let output = geotrace(
+        folder.path(),
+        &format!("-o out.svg --backend software {view} {lines}"),
+        None,
+    );
+    assert!(output.status.success(), "{}", printed(&output));
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
+    let all = paths(&svg);
+    assert!(all.len() > 8, "{all:?}");
+    let decode = |byte: u8| {
+        let x = f64::from(byte) / 255.0;
+        if x <= 0.04045 {
+            x / 12.92
+        } else {
+            ((x + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    for (colour, width, places) in &all {
+        let part =
+            |k: usize| u8::from_str_radix(&colour[2 * k + 1..2 * k + 3], 16).expect("a byte");
+        let [r, g, b] = [0, 1, 2].map(|k| decode(part(k)));
+        let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
+        assert!(contrast >= 4.5, "{colour}: {contrast}");
+        let xs = || places.iter().map(|[x, _]| *x);
+        let wide = xs().fold(0.0, f32::max) - xs().fold(f32::INFINITY, f32::min);
+        // A small closed line is a mark: there is paper within it.
+        let is_closed = places.len() > 8 && places.first() == places.last();
+        assert!(
+            !(is_closed && wide < 60.0) || wide > 3.0 * width,
+            "{width}, {wide}"
+        );
+    }
+}
+
+#[test]
 fn a_figure_is_whole_as_pdf_and_names_are_text_in_svg() {
     let folder = folder();
     for file in ["out.pdf", "out.svg"] {

@@ -134,7 +134,12 @@ impl Drawing<'_> {
             let ray = ray.ok().filter(|it| it.status == Status::Complete)?;
             Some(ray.uv.0)
         };
-        let all: Vec<Option<[f64; 2]>> = (0..=RIM).map(point).collect();
+        let mut all: Vec<Option<[f64; 2]>> = (0..=RIM).map(point).collect();
+        if let Some(gap) = all.iter().position(Option::is_none) {
+            // What is between two gaps is one piece, wherever the circle begins.
+            all.pop();
+            all.rotate_left(gap);
+        }
         let pieces = all.split(Option::is_none);
         let pieces = pieces.map(|piece| piece.iter().flatten().copied().collect());
         pieces

@@ -14,6 +14,7 @@ mod axes;
 mod curves;
 mod cut_locus;
 mod geodesic;
+mod ink;
 mod labels;
 mod legend;
 mod lines;
@@ -31,6 +32,7 @@ pub(crate) use space::{KeyedCamera, OverlayObject, camera_objects, trail_objects
 pub use text::{Contour, outlines};
 
 use image::RgbaImage;
+use ink::Inks;
 use rayon::prelude::*;
 use scene::ObjectId;
 
@@ -94,29 +96,6 @@ pub(crate) fn letters(
         Some(label.hidden(occlusion.hides(place, None)))
     });
     letters.collect()
-}
-
-/// sRGB colours of lines.
-mod ink {
-    use crate::trail::TrailKind;
-
-    /// Wavefronts.
-    pub(super) const WAVE: [u8; 3] = [110, 255, 245];
-    /// Conjugate points.
-    pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
-    /// The cut locus: clearly different from the colours of geodesics.
-    pub(super) const CUT: [u8; 3] = [160, 40, 255];
-    // Trails.
-    const WALKED: [u8; 3] = [150, 130, 255];
-    const MEASURED: [u8; 3] = [200, 255, 60];
-
-    /// Returns the colour of a trail.
-    pub(super) fn trail(kind: &TrailKind) -> [u8; 3] {
-        match kind {
-            TrailKind::Walked => WALKED,
-            TrailKind::Measured(_) => MEASURED,
-        }
-    }
 }
 
 /// The maximum difference from the backdrop of a pixel that counts as empty.
@@ -203,7 +182,7 @@ fn space_key(
     request: &PictureRequest,
     camera: Option<&KeyedCamera<'_>>,
 ) -> Result<(legend::Legend, bool), RenderError> {
-    let mut key = legend::Legend::default();
+    let mut key = legend::Legend::new(request.theme);
     if request.overlays.legend {
         if let Some(camera) = camera {
             space::key(&mut key, request, camera)?;
@@ -215,7 +194,10 @@ fn space_key(
     let legend = !key.is_empty();
     for trail in request.trails.iter().filter(|it| it.kind.has_key()) {
         if space::is_shown(&request.scene, trail.surface) {
-            key.line(ink::trail(&trail.kind), &trail_words(trail));
+            key.line(
+                Inks::of(request.theme).trail(&trail.kind),
+                &trail_words(trail),
+            );
         }
     }
     Ok((key, legend))
@@ -363,9 +345,7 @@ fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
 mod tests {
     use scene::{ObjectId, ParamValues};
 
-    use super::{
-        KeyedCamera, StrokeColour, StrokeStyle, blend, camera_objects, cover, ink, space_key, style,
-    };
+    use super::{KeyedCamera, StrokeColour, StrokeStyle, blend, camera_objects, cover, space_key};
     use crate::bounds::Bounds;
     use crate::camera::Camera;
     use crate::request::part::SpaceOptions;
@@ -402,21 +382,6 @@ mod tests {
         assert!(height(Some(Spacing::Every(0.5)), false) > without);
         // A plane has none.
         assert_eq!(height(None, true), without);
-    }
-
-    #[test]
-    fn the_cut_locus_has_a_colour_that_no_geodesic_has() {
-        let palettes: [&[[u8; 3]]; 4] = [
-            &style::CURVE_COLOURS,
-            &style::CURVE_COLOURS_ON_CURVATURE,
-            &style::CURVE_COLOURS_ON_PAPER,
-            &style::CURVE_COLOURS_ON_CURVATURE_ON_PAPER,
-        ];
-        let lines = [ink::WAVE, ink::CONJUGATE];
-        for colour in palettes.concat().into_iter().chain(lines) {
-            let off = (0..3).map(|k| u32::from(colour[k].abs_diff(ink::CUT[k])));
-            assert!(off.sum::<u32>() > 150, "{colour:?}");
-        }
     }
 
     #[test]

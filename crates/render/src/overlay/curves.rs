@@ -12,9 +12,10 @@ pub(super) use names::{NamePlace, NamePlaces};
 
 use scene::InitialConditionsEvaluator;
 
-use super::ink;
+use super::ink::Inks;
 use crate::geodesic_view::PlacedCamera;
 use crate::request::PictureRequest;
+use crate::style::Theme;
 use crate::trail::{ChartLine, Trail};
 use geometry::{GeodesicSegment, MAX_POINTS, cut_note, evaluations_per_line};
 
@@ -188,10 +189,10 @@ pub(super) fn piece_count(length: f64, samples: u32, straight: f64) -> u32 {
 }
 
 /// A trail on the surface that is seen.
-pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
+pub(super) fn trail(trail: &Trail, camera: &PlacedCamera, theme: Theme) -> SurfaceCurve {
     let mut curve = SurfaceCurve {
         name: String::new(),
-        colour: ink::trail(&trail.kind),
+        colour: Inks::of(theme).trail(&trail.kind),
         notes: Vec::new(),
         is_outlined: true,
         pieces: Vec::new(),

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::lines::{place_of, reach};
 use super::measured::{duals, steps};
-use super::{ink, stroke};
+use super::stroke;
 
 /// The most cells along an axis.
 const MOST_CELLS: usize = 1024;
@@ -110,7 +110,12 @@ pub(super) fn add_conjugate(beyond: &mut [bool], size: [u32; 2], degeneracy: &[f
 }
 
 /// Draws the border of the pixels that lie beyond the cut locus; gives the share of those that show the surface.
-pub(super) fn draw(image: &mut RgbaImage, status: &[Status], beyond: &[bool], scale: f32) -> f64 {
+pub(super) fn draw(
+    image: &mut RgbaImage,
+    status: &[Status],
+    beyond: &[bool],
+    ink: ([u8; 3], f32),
+) -> f64 {
     let size = [image.width(), image.height()];
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
@@ -143,7 +148,7 @@ pub(super) fn draw(image: &mut RgbaImage, status: &[Status], beyond: &[bool], sc
         found[index] = found[nearer[1] * width + nearer[0]];
     }
     let smooth = mean_around(size, &found);
-    stroke(image, (ink::CUT, scale), |index| {
+    stroke(image, ink, |index| {
         // The mean over five pixels grows by a fifth a pixel across a straight border.
         let distance = 5.0 * (smooth[index] - 0.5).abs();
         let seen = status[index] == Status::Complete;

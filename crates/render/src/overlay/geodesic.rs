@@ -7,7 +7,9 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 
 use super::measured::MeasuredEnds;
-use super::{TextLabel, curves, cut_locus, ink, labels, legend, lines, trail_words, wave_words};
+use super::{
+    TextLabel, curves, cut_locus, ink::Inks, labels, legend, lines, trail_words, wave_words,
+};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
 use crate::point::PixelPoint;
@@ -42,7 +44,11 @@ impl<'a> GeodesicOverlay<'a> {
         let geodesics = geodesics.collect();
         let notes = curve.iter().flat_map(|line| line.notes.clone()).collect();
         let trails: Vec<&Trail> = request.trails_on(camera.surface).collect();
-        curve.extend(trails.iter().map(|trail| curves::trail(trail, camera)));
+        curve.extend(
+            trails
+                .iter()
+                .map(|trail| curves::trail(trail, camera, request.theme)),
+        );
         Self {
             camera,
             counters,
@@ -118,7 +124,7 @@ impl Annotations<'_> {
         places: &[Option<PixelPoint>],
     ) -> (Vec<String>, Vec<&'static str>) {
         let mut drawn = Vec::new();
-        let mut key = legend::Legend::default();
+        let mut key = legend::Legend::new(self.request.theme);
         if !self.geodesics.is_empty() {
             drawn.push("geodesics");
             for (colour, name) in self.geodesics.iter().filter(|(_, name)| !name.is_empty()) {
@@ -133,12 +139,13 @@ impl Annotations<'_> {
         }
         if !self.request.overlays.legend {
             // A trail is drawn with its length.
-            key = legend::Legend::default();
+            key = legend::Legend::new(self.request.theme);
         }
         for trail in &self.trails {
             drawn.push(trail.kind.name());
             if trail.kind.has_key() {
-                key.line(ink::trail(&trail.kind), &trail_words(trail));
+                let colour = Inks::of(self.request.theme).trail(&trail.kind);
+                key.line(colour, &trail_words(trail));
             }
         }
         let width = self.request.size[0] as usize;
@@ -187,6 +194,7 @@ impl Annotations<'_> {
     ) -> (Vec<String>, Vec<&'static str>) {
         let request = self.request;
         let overlays = &request.overlays;
+        let inks = Inks::of(request.theme);
         let MeasuredEnds {
             object,
             zoom,
@@ -208,9 +216,10 @@ impl Annotations<'_> {
         }
         if let Some(spacing) = overlays.wavefronts {
             let distance = spacing.distance(*zoom);
-            if lines::wavefronts(image, status, *zoom, distance, request.scale) {
+            let ink = (inks.wave, request.scale);
+            if lines::wavefronts(image, status, *zoom, distance, ink) {
                 drawn.push("wavefronts");
-                key.line(ink::WAVE, &wave_words(distance));
+                key.line(inks.wave, &wave_words(distance));
             } else {
                 notes.push(format!(
                     "{} are less than 3 pixels apart here: none is drawn",
@@ -220,19 +229,20 @@ impl Annotations<'_> {
         }
         if overlays.cut_locus {
             drawn.push("cut locus");
-            let share = cut_locus::draw(image, status, beyond, request.scale);
+            let share = cut_locus::draw(image, status, beyond, (inks.cut, request.scale));
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
             ));
             if share > 0.0 {
-                key.line(ink::CUT, "cut locus");
+                key.line(inks.cut, "cut locus");
             }
         }
         if overlays.conjugate_points {
             drawn.push("conjugate points");
-            if lines::conjugate_points(image, degeneracy, request.scale) {
-                key.line(ink::CONJUGATE, "conjugate points");
+            let ink = (inks.conjugate, request.scale);
+            if lines::conjugate_points(image, degeneracy, ink) {
+                key.line(inks.conjugate, "conjugate points");
             }
         }
         if overlays.legend {

@@ -6,7 +6,7 @@ use image::RgbaImage;
 use super::lines::SCALE;
 use super::{cover, text};
 use crate::geodesic_view::stripes;
-use crate::style;
+use crate::style::{self, Theme};
 use crate::texture::CurvatureScale;
 
 /// The width of a bar of colours, in heights of its words.
@@ -21,6 +21,8 @@ const INK: [f32; 3] = [0.01; 3];
 /// Entries of a key, as they come.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Legend {
+    /// The medium, for which the colours of its lines are chosen.
+    theme: Theme,
     entries: Vec<(Mark, String)>,
 }
 
@@ -63,6 +65,14 @@ struct LegendLayout {
 }
 
 impl Legend {
+    /// Creates a key without entries.
+    pub(super) fn new(theme: Theme) -> Self {
+        Self {
+            theme,
+            entries: Vec::new(),
+        }
+    }
+
     /// A line of a colour (sRGB).
     pub(super) fn line(&mut self, colour: [u8; 3], words: &str) {
         self.entries.push((Mark::Line(colour), words.to_owned()));
@@ -201,6 +211,14 @@ impl Legend {
         }
     }
 
+    /// Returns the colour behind lines, in linear light.
+    fn ground(&self) -> [f32; 3] {
+        match self.theme {
+            Theme::Screen => [0.12; 3],
+            Theme::Print => style::linear(style::PAPER),
+        }
+    }
+
     fn swatch(&self, image: &mut RgbaImage, mark: Mark, at: [f32; 2], size: [f32; 2], unit: f32) {
         let half = (1.1 * unit).max(0.7);
         let middle = at[1] + 0.5 * size[1];
@@ -212,7 +230,7 @@ impl Legend {
                         cover(pixel, stripes(status, (x + y) as f32 + 1.0, unit), 1.0);
                     }
                     Mark::Line(colour) => {
-                        cover(pixel, [0.12; 3], 1.0);
+                        cover(pixel, self.ground(), 1.0);
                         let off = (y as f32 + 0.5 - middle).abs();
                         let share = (half - off + 0.5).clamp(0.0, 1.0);
                         cover(pixel, style::linear(colour), share);

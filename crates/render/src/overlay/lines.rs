@@ -10,7 +10,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::measured::steps;
-use super::{blend, ink, stroke};
+use super::{blend, stroke};
 use crate::style;
 
 /// The column and the row of a pixel.
@@ -35,14 +35,14 @@ pub(super) fn wavefronts(
     status: &[Status],
     zoom: f64,
     spacing: f64,
-    scale: f32,
+    ink: ([u8; 3], f32),
 ) -> bool {
     let size = [image.width(), image.height()];
     let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
     if !(spacing > CLOSEST_WAVES * pixel && spacing.is_finite()) {
         return false;
     }
-    stroke(image, (ink::WAVE, scale), |index| {
+    stroke(image, ink, |index| {
         if status[index] != Status::Complete {
             return None;
         }
@@ -94,12 +94,12 @@ pub(super) fn degeneracy_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Ve
 
 /// Draws the conjugate points, where the function of [`degeneracy_in_chart`] changes its sign; it is empty where it is not
 /// known. Returns true if there are any.
-pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], scale: f32) -> bool {
+pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], ink: ([u8; 3], f32)) -> bool {
     if signed.is_empty() {
         return false;
     }
     let [width, height] = [image.width(), image.height()].map(|side| side as usize);
-    stroke(image, (ink::CONJUGATE, scale), |index| {
+    stroke(image, ink, |index| {
         let [x, y] = [index % width, index / width];
         let here = signed[index];
         let beside = |step: isize, wanted: bool| -> Option<f32> {

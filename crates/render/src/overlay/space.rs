@@ -8,7 +8,7 @@ use geometry::{GeodesicStart, Knot, MAX_LINE_EVALUATIONS, knots_at};
 use rayon::prelude::*;
 use scene::{ObjectId, Scene};
 
-use super::ink;
+use super::ink::Inks;
 use super::legend::Legend;
 use crate::camera::Camera;
 use crate::error::RenderError;
@@ -17,7 +17,7 @@ use crate::placement::Placement;
 use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples, line_samples, vector};
-use crate::style::{self, LineStyle, Look};
+use crate::style::{self, LineStyle, Look, Theme};
 use crate::trail::SpaceTrail;
 use crate::viewpoint::GeodesicCamera;
 
@@ -62,6 +62,11 @@ const CAMERA_AXES: LineStyle = under(-0.45);
 const BORDERS: LineStyle = under(-0.3);
 const CONJUGATES: LineStyle = under(-0.15);
 const TRAILS: LineStyle = under(-0.2);
+/// The mark at a point on paper is a small ring: lines without light fill it unless they are thin.
+const MARKS_ON_PAPER: LineStyle = LineStyle {
+    width: 0.4,
+    ..TRAILS
+};
 const FRAME: LineStyle = under(0.0);
 
 /// Points of a line of the picture.
@@ -77,10 +82,6 @@ const LONGEST_ARROW: f64 = 0.5;
 /// The distance between the points that determine a direction, as a share of the zoom.
 const NUDGE: f64 = 1e-4;
 
-const X: [u8; 3] = [255, 80, 60];
-const Y: [u8; 3] = [70, 220, 90];
-const BORDER: [u8; 3] = [255, 210, 60];
-
 /// Returns the objects that show a request's trails.
 pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
     let lines = request.trails.iter().filter_map(|trail| {
@@ -93,8 +94,11 @@ pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> 
             name: kind.name(),
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
-            colour: style::linear(ink::trail(kind)),
-            line: TRAILS,
+            colour: style::linear(Inks::of(request.theme).trail(kind)),
+            line: match (request.theme, &mark) {
+                (Theme::Print, Some(_)) => MARKS_ON_PAPER,
+                _ => TRAILS,
+            },
             letter: mark.map(|(letter, place)| (letter, placement.local(place))),
         })
         .collect()
@@ -137,22 +141,24 @@ pub(super) fn key(
     if !is_shown(&request.scene, camera.surface) {
         return Ok(());
     }
-    key.line(X, "camera: right (X)");
-    key.line(Y, "camera: up (Y)");
-    if keyed.has_curves(BORDER) {
-        key.line(BORDER, "edge of its geodesic view");
+    let inks = Inks::of(request.theme);
+    let [right, up] = inks.axes;
+    key.line(right, "camera: right (X)");
+    key.line(up, "camera: up (Y)");
+    if keyed.has_curves(inks.border) {
+        key.line(inks.border, "edge of its geodesic view");
     }
     if request.scene.is_solid(camera.surface) {
         return Ok(());
     }
     if let Some(spacing) = request.overlays.wavefronts
-        && keyed.has_curves(ink::WAVE)
+        && keyed.has_curves(inks.wave)
     {
         let spacing = spacing.distance(place(request, camera)?.zoom);
-        key.line(ink::WAVE, &super::wave_words(spacing));
+        key.line(inks.wave, &super::wave_words(spacing));
     }
-    if request.overlays.conjugate_points && keyed.has_curves(ink::CONJUGATE) {
-        key.line(ink::CONJUGATE, "conjugate points");
+    if request.overlays.conjugate_points && keyed.has_curves(inks.conjugate) {
+        key.line(inks.conjugate, "conjugate points");
     }
     Ok(())
 }
@@ -200,6 +206,7 @@ pub(crate) fn camera_objects(
     };
     let origin = surface.jet(frame.uv).position;
     let mut all = frame_objects(request, placement, (origin, zoom), &at, &axis);
+    let inks = Inks::of(request.theme);
     let [right, up] = half_extent(request.size);
     if let Some(spacing) = request.overlays.wavefronts {
         let spacing = spacing.distance(zoom);
@@ -223,7 +230,7 @@ pub(crate) fn camera_objects(
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
                 .map(|ring| rays.iter().map(|ray| ray[ring]).collect())
                 .collect();
-            all.push(curves(placement, &rings, ink::WAVE, WAVES));
+            all.push(curves(placement, &rings, inks.wave, WAVES));
         }
     }
     if request.overlays.conjugate_points {
@@ -241,7 +248,7 @@ pub(crate) fn camera_objects(
                 at(towards.map(|x| x * first / zoom)).map(knot)
             })
             .collect();
-        all.push(curves(placement, &[first], ink::CONJUGATE, CONJUGATES));
+        all.push(curves(placement, &[first], inks.conjugate, CONJUGATES));
     }
     Ok(all)
 }
@@ -296,7 +303,9 @@ fn frame_objects(
 ) -> Vec<OverlayObject> {
     let mut all = Vec::new();
     let length = zoom.min(LONGEST_ARROW * placement.radius);
-    for (place, colour) in [([NUDGE, 0.0], X), ([0.0, NUDGE], Y)] {
+    let inks = Inks::of(request.theme);
+    let [to_right, to_top] = inks.axes;
+    for (place, colour) in [([NUDGE, 0.0], to_right), ([0.0, NUDGE], to_top)] {
         let Some(end) = at(place) else { continue };
         let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
         all.push(OverlayObject {
@@ -314,8 +323,8 @@ fn frame_objects(
         .map(axis)
         .collect();
     // Each axis has the colour of its arrow.
-    all.push(curves(placement, &axes[..2], X, CAMERA_AXES));
-    all.push(curves(placement, &axes[2..], Y, CAMERA_AXES));
+    all.push(curves(placement, &axes[..2], to_right, CAMERA_AXES));
+    all.push(curves(placement, &axes[2..], to_top, CAMERA_AXES));
     let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
     let points = if request.moving {
         MOVING_POINTS
@@ -335,7 +344,7 @@ fn frame_objects(
                 .collect()
         })
         .collect();
-    all.push(curves(placement, &border, BORDER, BORDERS));
+    all.push(curves(placement, &border, inks.border, BORDERS));
     all
 }
 

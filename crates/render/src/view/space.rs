@@ -31,7 +31,7 @@ use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
 use crate::stated_colours;
-use crate::style::{self, Look};
+use crate::style::{self, Look, Theme};
 use crate::texture::SurfaceImage;
 use crate::viewpoint::GeodesicCamera;
 use tracer::shade::Face;
@@ -196,6 +196,7 @@ struct ShownCamera {
     manifold: Option<Content>,
     camera: GeodesicCamera,
     overlays: Overlays,
+    theme: Theme,
     size: [u32; 2],
     placement: Placement,
 }
@@ -425,6 +426,7 @@ impl SpaceRenderer {
             manifold: content::first_instance(scene, params, structures, camera.surface),
             camera: *camera,
             overlays: request.overlays,
+            theme: request.theme,
             size: request.size,
             placement: *placement,
         };
