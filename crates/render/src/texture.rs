@@ -1,7 +1,7 @@
 //! Images on surfaces: loading, mip chains, filtering.
 //!
-//! An image's left side is u min, its top row v min; one width of the image is one width of the domain, and it repeats
-//! beyond. Texels are opaque sRGB; filtering is done in linear light, so that a fine checkerboard keeps its brightness.
+//! An image's left side is u min, its top row v min; one width of the image is one width of the domain. It repeats beyond
+//! glued sides, and ends at others ([`SurfaceImage`]). Texels are opaque sRGB; filtering is done in linear light, so that a fine checkerboard keeps its brightness.
 
 mod budget;
 mod curvature;
@@ -332,12 +332,8 @@ impl Texture {
     /// Returns the colour in linear light at `uv` (1 is the image's width or height; repeats), averaged over a footprint:
     /// the parallelogram that `across` and `along` (in the same units) span around it.
     pub fn sample(&self, uv: [f32; 2], across: [f32; 2], along: [f32; 2]) -> [f32; 3] {
-        self.sampler().colour(uv, across, along)
-    }
-
-    /// Returns a sampler of the image about its corner, for many calls of [`Sampler::colour`].
-    pub fn sampler(&self) -> Sampler<'_> {
-        Sampler::new(self, [0.0; 2], [1.0; 2], [true; 2])
+        let sampler = Sampler::new(self, [0.0; 2], [1.0; 2], [true; 2]);
+        sampler.colour(uv, across, along)
     }
 
     fn light(&self) -> &filter::LinearTexels {

@@ -110,9 +110,10 @@ pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
     above.lerp(below, along)
 }
 
-/// Returns the linear colour of an image at a position in it.
+/// Returns the linear colour of an image at a position in it: for backgrounds, whose left and right sides are glued.
 pub(super) fn texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
-    light(texture.sample(place.map(|x| x as f32), [0.0; 2], [0.0; 2]))
+    let sampler = Sampler::new(texture, [0.0; 2], [1.0; 2], [true, false]);
+    light(sampler.colour(place.map(|x| x as f32), [0.0; 2], [0.0; 2]))
 }
 
 fn light(linear: [f32; 3]) -> DVec3 {
