@@ -169,6 +169,55 @@ fn figures_and_paths_are_drawn_as_the_window_shows_them() {
 }
 
 #[test]
+fn a_figure_that_is_not_finished_or_not_whole_is_noted() {
+    let folder = folder();
+    let noted = |figure: &str| {
+        let output = render(folder.path(), &format!("-o out.png --figure {figure}"));
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{printed}");
+        printed
+    };
+    for (figure, wanted) in [
+        ("s=triangle:0.5,1:1,1", "s=triangle: it has 2 places of 3"),
+        ("s=distance:0.5,1", "s=distance: it has 1 place of 2, so"),
+        ("s=circle:0.5,1", "1 place of 2 and no radius"),
+    ] {
+        let printed = noted(figure);
+        assert!(printed.contains(wanted), "{figure}: {printed}");
+    }
+    for whole in [
+        "s=triangle:0.5,1:1,1:0.7,1.5",
+        "s=circle:0.5,1:0.3",
+        "s=place:0.5,1",
+    ] {
+        let printed = noted(whole);
+        assert!(!printed.contains("note: --figure"), "{whole}: {printed}");
+    }
+    let plane = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
+    std::fs::write(folder.path().join("a.gtr"), plane).expect("writing");
+    let printed = noted("s=circle:0,0:5");
+    assert!(
+        printed.contains("the circle is not whole: the ray"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn colours_of_curvature_stand_and_a_chosen_one_is_noted() {
+    let folder = folder();
+    let curved = "--texture s=curvature --hide c";
+    let plain = picture(folder.path(), curved);
+    assert!(plain == picture(folder.path(), &format!("{curved} --colour s=#000080")));
+    let output = render(
+        folder.path(),
+        &format!("-o out.png {curved} --colour s=#000080"),
+    );
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    let wanted = "--colour s: `s` has the colours of its curvature";
+    assert!(printed.contains(wanted), "{printed}");
+}
+
+#[test]
 fn a_path_is_as_long_as_it_is_on_the_surface_of_each_frame() {
     let folder = folder();
     let folder = folder.path();

@@ -26,6 +26,13 @@ pub(crate) struct PathArgument {
     pub(crate) places: Vec<Pair>,
 }
 
+impl FigureArgument {
+    /// Returns the option up to its kind, for sentences.
+    pub(crate) fn option(&self) -> String {
+        format!("--figure {}={}", self.surface, self.kind.name())
+    }
+}
+
 /// Parses `SURFACE=KIND:U,V:…`.
 pub(crate) fn figure(text: &str) -> Result<FigureArgument, String> {
     let expected = "expected SURFACE=KIND:U,V:…, such as s=distance:0,0:1,pi, s=circle:0,0:0.5 or s=triangle:0,0:1,0:0,1";

@@ -357,7 +357,7 @@ fn note(found: &Connections) -> Option<String> {
     })
 }
 
-fn stopped(stop: &RayStop) -> String {
+pub(super) fn stopped(stop: &RayStop) -> String {
     let degrees = stop.angle.to_degrees().rem_euclid(360.0);
     let reason = match stop.status {
         Status::LeftDomain => "leaves the domain",

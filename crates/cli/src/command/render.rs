@@ -214,6 +214,11 @@ fn draw(
     let mut notes = picture::idle_options(arguments, &request.view);
     notes.extend(picture::idle_colours(arguments, &request));
     notes.extend(picture::empty_space(&request.scene, &request.view));
+    notes.extend(picture::partial_figures(
+        arguments,
+        program,
+        &request.params,
+    )?);
     for note in notes {
         output::print_error(&format!("note: {note}\n"));
     }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use geodesic::surface::Surface;
 use geometry::Manifold;
-use render::figure::Figure;
-use render::measured::{lines, measure};
+use render::figure::{Figure, FigureKind};
+use render::measured::{FigureMeasures, lines, measure};
 use render::point::WorldPoint;
 use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
@@ -19,7 +20,8 @@ use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
 use super::images::Images;
-use crate::argument::{ObjectColour, Pair, PathArgument, Triple};
+use crate::argument::{FigureArgument, ObjectColour, Pair, PathArgument, Triple};
+use crate::command::measure::stopped;
 use crate::failure::Failure;
 use crate::program::LoadedProgram;
 
@@ -98,23 +100,65 @@ fn figures(
     let mut trails = Vec::new();
     for stated in &arguments.overlays.figure {
         let (id, manifold) = manifold(&stated.surface, program, params)?;
-        let radius = stated.radius.as_ref();
-        let figure = Arc::new(Figure {
-            kind: stated.kind,
-            places: places("--figure", &stated.places, program, params)?,
-            radius: radius
-                .map(|radius| program.number("--figure", radius, params))
-                .transpose()?,
-        });
-        let surface = manifold.surface();
-        let finding = measure(surface, &figure).map_err(|error| {
-            let (name, kind) = (&stated.surface, stated.kind.name());
-            Failure::usage(format!("--figure {name}={kind}: {error}"))
-        })?;
-        let lines = lines(surface, id, &figure, Some(&finding));
+        let (figure, finding) = measured(stated, manifold.surface(), program, params)?;
+        let lines = lines(manifold.surface(), id, &figure, Some(&finding));
         trails.extend(lines.into_iter().map(Shared::from));
     }
     Ok(trails)
+}
+
+/// Returns a figure and its measures on its surface.
+fn measured(
+    stated: &FigureArgument,
+    surface: &dyn Surface,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<(Arc<Figure>, FigureMeasures), Failure> {
+    let radius = stated.radius.as_ref();
+    let figure = Arc::new(Figure {
+        kind: stated.kind,
+        places: places("--figure", &stated.places, program, params)?,
+        radius: radius
+            .map(|radius| program.number("--figure", radius, params))
+            .transpose()?,
+    });
+    let finding = measure(surface, &figure)
+        .map_err(|error| Failure::usage(format!("{}: {error}", stated.option())))?;
+    Ok((figure, finding))
+}
+
+/// Notes on figures that are not finished, of which only the points are drawn, and on circles with rays that end before them.
+pub(super) fn partial_figures(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    for stated in &arguments.overlays.figure {
+        let (given, all) = (stated.places.len(), stated.kind.places());
+        if given < all && stated.radius.is_none() {
+            let lack = match stated.kind {
+                FigureKind::Circle => " and no radius",
+                _ => "",
+            };
+            let plural = if given == 1 { "" } else { "s" };
+            notes.push(format!(
+                "{}: it has {given} place{plural} of {all}{lack}, so that only points are drawn",
+                stated.option()
+            ));
+        } else if stated.kind == FigureKind::Circle {
+            let (_, manifold) = manifold(&stated.surface, program, params)?;
+            let (_, finding) = measured(stated, manifold.surface(), program, params)?;
+            if let FigureMeasures::Circle(_, Err(stop)) = finding {
+                let why = stopped(&stop);
+                notes.push(format!(
+                    "{}: the circle is not whole: {why}",
+                    stated.option()
+                ));
+            }
+        }
+    }
+    Ok(notes)
 }
 
 fn places(
