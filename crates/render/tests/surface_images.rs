@@ -126,6 +126,27 @@ fn an_image_goes_on_across_glued_sides_and_where_its_place_is_stated() {
 }
 
 #[test]
+fn the_image_of_a_background_ends_at_the_zenith() {
+    let mut request = request("background sky = 1; point p = (9, 0, 0);");
+    request.background_image = Some(two_halves().into());
+    for up in [1.0, -1.0] {
+        let space = SpaceOptions::seen_from([0.0, 0.001 * up, -0.5 * up], [0.0, 0.0, up]);
+        request.view = TracedOptions {
+            space,
+            ..TracedOptions::default()
+        }
+        .into();
+        let mut renderer = Renderer::software();
+        let drawn = renderer.draw(&request).expect("a picture");
+        let image = renderer.read(drawn.image).expect("in memory");
+        let [red, _, blue, _] = image.get_pixel(SIDE / 2, SIDE / 2).0;
+        assert!(red.max(blue) > 200, "{up}: {red}, {blue}");
+        let mixed = mixed(&image, 12);
+        assert!(mixed < 9, "{up}: {mixed}");
+    }
+}
+
+#[test]
 fn colours_of_curvature_are_not_multiplied_by_that_of_the_surface() {
     let saddle = "surface s(u, v) = (u, v, u^2 - v^2), u : [-1, 1, 21], v : [-1, 1, 21]";
     let attributes = ["", ", color : (0.9, 0.1, 0.1)", ", color : (abs u, 0, 0)"];
