@@ -1,4 +1,4 @@
-//! The points at which the value of an expression may jump, or is unbounded.
+//! The points at which the value of an expression or its derivatives may jump, or is unbounded.
 
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{Binary, Unary};
@@ -51,5 +51,28 @@ impl Graph {
         guards.sort_unstable();
         guards.dedup();
         guards
+    }
+
+    /// Returns expressions at whose zeros alone the derivatives of the roots, as functions of the variables, may jump:
+    /// arguments of absolute values and signs, differences of what minima, maxima and comparisons compare.
+    pub fn corners(&mut self, roots: &[NodeId]) -> Vec<NodeId> {
+        let mut corners = Vec::new();
+        for node in self.order(roots) {
+            let corner = match self.node(node) {
+                Node::Unary(Unary::Abs | Unary::Sign, a) => a,
+                Node::Binary(Binary::Min | Binary::Max | Binary::AtMost, a, b) => self.sub(a, b),
+                _ => continue,
+            };
+            let inputs = self.inputs(&[corner]);
+            if inputs
+                .iter()
+                .any(|input| matches!(input, Input::Variable(_)))
+            {
+                corners.push(corner);
+            }
+        }
+        corners.sort_unstable();
+        corners.dedup();
+        corners
     }
 }

@@ -88,6 +88,12 @@ impl<'s> Atlas<'s> {
         jet
     }
 
+    /// Returns the smooth piece of a point that may be beyond sides that wrap.
+    pub(crate) fn smooth_piece(&self, mut at: [f64; 2]) -> u64 {
+        self.layout.bring_back(&mut at);
+        self.surface.smooth_piece(Uv(at))
+    }
+
     /// Returns the distance between two points in (u,v): in space, or, without an embedding, by the metric at the first
     /// one. The second point is first replaced by its nearest periodic copy.
     pub(crate) fn gap(&self, a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -17,6 +17,7 @@ use crate::jet::{Jet, JetBlock, LANES, Lanes};
 use crate::metric::Form;
 use crate::point::Uv;
 use crate::scale::{Scale, at};
+use crate::smooth_pieces::SmoothPieces;
 use crate::surface::{ChartData, Surface};
 use crate::topology::Topology;
 use crate::vector::norm;
@@ -35,6 +36,7 @@ pub struct MetricSurface {
     /// E, F, G with their derivatives, for several points at once.
     jets: JetTape,
     fixed: Fixed,
+    pieces: Option<SmoothPieces>,
     chart_data: ChartData,
 }
 
@@ -74,6 +76,7 @@ impl MetricSurface {
         };
         let values: Vec<f64> = jets.uniforms().iter().map(value).collect();
         let fixed = jets.fix(&values);
+        let pieces = SmoothPieces::of(&graph, &form, value)?;
         let by_u = graph.derivatives(&form, Input::Variable(0))?;
         let by_v = graph.derivatives(&form, Input::Variable(1))?;
         let seconds = [
@@ -100,6 +103,7 @@ impl MetricSurface {
             inputs,
             jets,
             fixed,
+            pieces,
             chart_data: ChartData::of(domain),
         };
         surface.chart_data.scale = measure(&|uv| surface.jet(uv), domain);
@@ -154,6 +158,10 @@ impl Surface for MetricSurface {
                 out.set(lane, &jet_of(&Form::of_lane(&forms, lane), [u, v]));
             }
         }
+    }
+
+    fn smooth_piece(&self, uv: Uv) -> u64 {
+        self.pieces.as_ref().map_or(0, |pieces| pieces.at(uv))
     }
 
     fn is_embedded(&self) -> bool {

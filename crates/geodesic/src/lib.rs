@@ -47,6 +47,7 @@ pub mod reparametrised;
 mod runge_kutta;
 pub mod scale;
 pub mod sides;
+mod smooth_pieces;
 pub mod status;
 mod step_control;
 pub mod surface;

@@ -81,6 +81,10 @@ impl Surface for Moved<'_> {
         self.surface.jets(&at, out);
     }
 
+    fn smooth_piece(&self, uv: Uv) -> u64 {
+        self.surface.smooth_piece(self.there(uv))
+    }
+
     fn is_embedded(&self) -> bool {
         self.surface.is_embedded()
     }

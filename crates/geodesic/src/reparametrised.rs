@@ -263,6 +263,10 @@ impl Surface for Reparametrised<'_> {
         }
     }
 
+    fn smooth_piece(&self, uv: Uv) -> u64 {
+        self.surface.smooth_piece(self.restored(uv).0)
+    }
+
     fn is_embedded(&self) -> bool {
         self.surface.is_embedded()
     }

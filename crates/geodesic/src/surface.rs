@@ -7,6 +7,7 @@ use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::{Graph, Input, NodeId};
 
 use crate::point::Uv;
+use crate::smooth_pieces::SmoothPieces;
 use crate::topology::{Apex, Topology};
 
 pub use crate::jet::{Jet, JetBlock, LANES, Lanes};
@@ -24,6 +25,11 @@ pub trait Surface: Sync {
         for (lane, (&u, &v)) in us.iter().zip(vs).enumerate() {
             out.set(lane, &self.jet(Uv([u, v])));
         }
+    }
+    /// Returns a number for the part of the chart to which a point belongs. Within the points of one number the formulas are
+    /// smooth; where it changes, the surface may have a crease. 0 everywhere where nothing is known about creases.
+    fn smooth_piece(&self, _uv: Uv) -> u64 {
+        0
     }
     /// Returns whether positions are points in space. A metric without an embedding gives jets in a separate frame at each
     /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, must not be
@@ -101,6 +107,7 @@ impl ChartData {
 pub struct ParametricSurface {
     tape: JetTape,
     fixed: Fixed,
+    pieces: Option<SmoothPieces>,
     chart_data: ChartData,
 }
 
@@ -124,18 +131,17 @@ impl ParametricSurface {
     ) -> Result<Self, TooLarge> {
         let variables = [Input::Variable(0), Input::Variable(1)];
         let tape = JetTape::new(graph, &position, variables, Order::Second)?;
-        let values: Vec<f64> = tape
-            .uniforms()
-            .iter()
-            .map(|input| match *input {
-                Input::Variable(_) => f64::NAN,
-                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-            })
-            .collect();
+        let value = |input: &Input| match *input {
+            Input::Variable(_) => f64::NAN,
+            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+        };
+        let values: Vec<f64> = tape.uniforms().iter().map(value).collect();
         let fixed = tape.fix(&values);
+        let pieces = SmoothPieces::of(graph, &position, value)?;
         let mut surface = Self {
             tape,
             fixed,
+            pieces,
             chart_data: ChartData::of(domain),
         };
         surface.chart_data.scale = Scale::measure(&|uv| surface.jet(uv), domain);
@@ -169,6 +175,10 @@ impl Surface for ParametricSurface {
             let out: &mut [Lanes; 18] = bytemuck::cast_mut(out);
             self.tape.eval(registers, &self.fixed, at, out);
         });
+    }
+
+    fn smooth_piece(&self, uv: Uv) -> u64 {
+        self.pieces.as_ref().map_or(0, |pieces| pieces.at(uv))
     }
 
     fn instruction_count(&self) -> usize {

@@ -97,8 +97,7 @@ pub struct Trace {
     /// True if it has passed an odd number of flips: left and right are then exchanged.
     pub flipped: bool,
     /// The number of creases that it has crossed, where σ is continuous and its derivatives are not. There the components of
-    /// the velocity along and across the crease keep their lengths. (m, m') and the estimate ignore the curvature of the crease
-    /// itself.
+    /// the velocity along and across the crease keep their lengths.
     pub creases: usize,
     /// (m, m') at the end: the Jacobi field across the geodesic with m = 0, m' = 1 at its start. A small change dθ of
     /// the direction moves the end by m dθ. It is as accurate as the end if conjugate points are located; otherwise its

@@ -294,7 +294,9 @@ fn hostile() -> MetricSurface {
         let slope = m.c(1.0 / PI);
         let slope = m.mul(slope, m.u);
         let sum = m.add(pole, slope);
-        [e, zero, m.f(Unary::Abs, sum)]
+        // As a root: of an absolute value it would be known where its argument changes its sign.
+        let square = m.mul(sum, sum);
+        [e, zero, m.f(Unary::Sqrt, square)]
     })
 }
 

@@ -1,52 +1,104 @@
-//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): detected by a jump of the speed, located
-//! by bisection, and crossed with the angle to the crease preserved.
+//! Creases, where σ is continuous and its derivatives are not (|u|, max, min), or where the metric is continuous and its
+//! derivatives are not: noticed by the smooth pieces of the surface or by a jump of the speed, located along the ray, and
+//! crossed with the angle to the crease preserved (`crease/sides.rs`).
 //!
-//! Unfolded about the crease both sides are one plane to first order, and a geodesic is a straight line in it: the
-//! components of the velocity along and across the crease keep their lengths. This is the rule for the edges of a polyhedron
-//! (Mitchell, Mount, Papadimitriou, *The discrete geodesic problem*, SIAM J. Comput. 16, 1987, pages 647–668).
+//! ```text
+//! a step into another piece ──crossing──▶ the length to the crease ──▶ a shorter step, as long as it is far
+//!                                                                 └──▶ the passage, once it is near
+//! ```
+//!
+//! Ahead of a ray the crossing is sought on a parabola, whose error is of third order in the distance: each shorter step
+//! brings the ray much closer to the crease, and no step across it is needed.
+
+mod sides;
 
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, Local, State};
+use crate::jet::Jet;
+use crate::metric::acceleration;
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::vector::{combine, dot, norm};
+use sides::{BothSides, Passage};
 
 /// The minimum change of the speed within a step that is investigated.
 const NOTICED: f64 = 1e-9;
 /// The same as a multiple of the error that the tolerance allows.
 const NOTICED_BEYOND: f64 = 30.0;
-/// The fraction of its change of the speed that a jump keeps while its bracket is halved.
+/// The fraction of its change that a jump keeps while its bracket is halved.
 const STAYS: f64 = 0.3;
 /// A crease is located to this fraction of the ray's scale.
 const SHARP: f64 = 1e-14;
-/// The maximum relative difference of the quantities that both sides must have in common.
-const COMMON: f64 = 1e-6;
+/// A crease that is farther away than `NEAR` is located to this fraction of its distance.
+const COARSE: f64 = 1e-3;
+/// Within this fraction of its scale and of its radius of curvature in the chart, a ray is a parabola up to rounding.
+const NEAR: f64 = 1e-5;
+/// The same, within which the parabola shows where a crease is.
+const TRUSTED: f64 = 1e-2;
+/// A crease is sought on the parabola up to the length of the step times this.
+const FARTHEST: f64 = 1.2;
+/// A step to a crease ends at most at this fraction of the step that crossed it.
+const SHORTER: f64 = 0.9;
+/// The maximum gap between both sides of a crease, as a fraction of the ray's scale.
+const TORN: f64 = 1e-6;
 
 /// The maximum change of direction and speed in a step over a kink, which is 10⁻¹² of the scale long; at a singularity the
 /// curvature would cause a larger one.
 const HARDLY: f64 = 1e-9;
 
-/// The cause of a change of the speed.
+/// The cause of a change within a step.
 enum Found {
-    /// No localised cause: the surface is steep there.
+    /// No localised cause: the surface is steep there, or the ray is not a parabola so far.
     Steep,
-    /// A crease between two step sizes, with the rays' ends there.
-    Jump(Box<[(RayStep, Local); 2]>),
+    /// A crease between two lengths ahead of the ray.
+    Crease([f64; 2]),
     /// The evaluations are used up.
     Nothing,
 }
 
 impl Ray<'_, '_> {
-    /// Returns the outcome of a step that has crossed a crease; `None` where the step may be accepted. `allowed` is the
-    /// error that the tolerance allows on the way.
-    pub(super) fn crease(
+    /// Returns the outcome of an attempt at a step of size `h` where another smooth piece begins shortly ahead: that needs no
+    /// step across.
+    pub(super) fn nears_other_piece(&mut self, h: f64) -> Option<Attempt> {
+        if !matches!(self.chart, Chart::Plain) {
+            return None;
+        }
+        let reach = h.min(self.nearness() * (TRUSTED / NEAR));
+        let piece = self.atlas.smooth_piece(self.state.at);
+        if self.atlas.smooth_piece(self.ahead(reach).at) == piece {
+            return None;
+        }
+        let side = |state: &State| Some(f64::from(self.atlas.smooth_piece(state.at) != piece));
+        match self.crossing(reach, &side) {
+            Found::Steep => None,
+            found => self.approach(&found, [reach; 2], h),
+        }
+    }
+
+    /// Returns the outcome of a step that ends in another smooth piece than it began; `None` where it did not, or where the
+    /// ray begins on a crease or ends on an edge that is one.
+    pub(super) fn enters_other_piece(&mut self, step: &RayStep, h: f64) -> Option<Attempt> {
+        if !matches!(self.chart, Chart::Plain) {
+            return None;
+        }
+        let piece = self.atlas.smooth_piece(self.state.at);
+        if self.atlas.smooth_piece(step.end.at) == piece {
+            return None;
+        }
+        let side = |state: &State| Some(f64::from(self.atlas.smooth_piece(state.at) != piece));
+        let found = self.crossing(FARTHEST * step.length, &side);
+        self.approach(&found, [step.length, h], h)
+    }
+
+    /// Returns the outcome of a step whose speed has jumped; `None` where the step may be accepted. `allowed` is the error
+    /// that the tolerance allows on the way.
+    pub(super) fn speed_jumps(
         &mut self,
         step: &RayStep,
         local: &Local,
         h: f64,
-        pace: StepParameter,
         allowed: f64,
     ) -> Option<Attempt> {
         if !matches!(self.chart, Chart::Plain) {
@@ -54,23 +106,16 @@ impl Ray<'_, '_> {
         }
         let scale = self.atlas.layout.scale.size.min(self.s + step.length);
         let speed = self.speed();
-        let change =
-            |state: &State, local: &Local| length(local.tangents, state.velocity) / speed - 1.0;
-        let jump = change(&step.end, local);
+        let jump = length(local.tangents, step.end.velocity) / speed - 1.0;
         if jump.abs() <= NOTICED + NOTICED_BEYOND * allowed / scale {
             return None;
         }
-        match self.locate(step, *local, h, pace, &|state, local| change(state, local)) {
-            Found::Steep => Some(Attempt::Again(0.3 * h)),
-            Found::Nothing => Some(Attempt::Ended(Status::WorkLimit)),
-            Found::Jump(ends) => {
-                let [before, after] = *ends;
-                if before.0.position_error > allowed {
-                    return Some(Attempt::Again(0.5 * h));
-                }
-                Some(self.pass_crease(before, after, pace, h))
-            }
-        }
+        let change = |state: &State| {
+            let local = self.atlas.local(&self.chart, *state)?;
+            Some(length(local.tangents, state.velocity) / speed - 1.0)
+        };
+        let found = self.crossing(FARTHEST * step.length, &change);
+        self.approach(&found, [step.length, h], h)
     }
 
     /// Takes one short step whatever its error, and returns whether it did. Where the metric is continuous and its derivatives
@@ -107,90 +152,140 @@ impl Ray<'_, '_> {
         self.enter_next_chart()
     }
 
-    fn locate(
-        &mut self,
-        step: &RayStep,
-        local: Local,
-        h: f64,
-        pace: StepParameter,
-        change: &dyn Fn(&State, &Local) -> f64,
-    ) -> Found {
-        let jump = change(&step.end, &local);
-        let (mut low, mut high) = (0.0, h);
-        let start = RayStep {
-            end: self.state,
-            length: 0.0,
-            position_error: 0.0,
-            direction_error: 0.0,
-            field_error: 0.0,
-            propagator: [[1.0, 0.0], [0.0, 1.0]],
-            end_local: Some(self.local),
+    /// Locates a crease on the parabola ahead of the ray, up to a length. `change` is 0 at the ray's point, is continuous on both sides of the
+    /// crease and jumps there.
+    fn crossing(&self, reach: f64, change: &dyn Fn(&State) -> Option<f64>) -> Found {
+        let sharp = self.sharpness(reach);
+        let near = self.nearness();
+        let reach = reach + 8.0 * sharp;
+        let Some(jump) = change(&self.ahead(reach)) else {
+            return Found::Steep;
         };
-        let mut before = (start, self.local, 0.0);
-        let mut after = (*step, local, jump);
-        while high - low > SHARP * self.atlas.layout.scale.size.min(h.max(1e-3 * self.s)) {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
+        let (mut low, mut high) = ((0.0, 0.0), (reach, jump));
+        while jump != 0.0
+            && high.0 - low.0 > sharp.max(if high.0 > near { COARSE * high.0 } else { 0.0 })
+        {
+            let middle = 0.5 * (low.0 + high.0);
+            if middle <= low.0 || middle >= high.0 {
                 break;
             }
             if !self.affords_step() {
                 return Found::Nothing;
             }
-            let Some(part) = self.step(middle, pace) else {
+            let Some(there) = change(&self.ahead(middle)) else {
                 return Found::Steep;
             };
-            let Some(local) = self.local_after(&part) else {
-                return Found::Steep;
-            };
-            let there = change(&part.end, &local);
-            if (there - before.2).abs() > (there - after.2).abs() {
-                high = middle;
-                after = (part, local, there);
+            if (there - low.1).abs() > (there - high.1).abs() {
+                high = (middle, there);
             } else {
-                low = middle;
-                before = (part, local, there);
+                low = (middle, there);
             }
-            if (after.2 - before.2).abs() < STAYS * jump.abs() {
+            if (high.1 - low.1).abs() < STAYS * jump.abs() {
                 return Found::Steep;
             }
         }
-        Found::Jump(Box::new([(before.0, before.1), (after.0, after.1)]))
+        if jump == 0.0 {
+            return Found::Steep;
+        }
+        // Both ends are at a distance from the crease at which rounding does not matter.
+        let mut behind = high.0 + sharp;
+        for _ in 0..30 {
+            let there = change(&self.ahead(behind));
+            if there.is_some_and(|it| (it - low.1).abs() > (it - high.1).abs()) {
+                break;
+            }
+            behind = high.0 + 2.0 * (behind - high.0);
+        }
+        Found::Crease([(low.0 - sharp).max(0.0), behind])
     }
 
-    /// Takes the step up to a crease and continues behind it.
-    fn pass_crease(
-        &mut self,
-        before: (RayStep, Local),
-        after: (RayStep, Local),
-        pace: StepParameter,
-        h: f64,
-    ) -> Attempt {
-        let rounding = self.rounding();
+    /// Shortens a step of this length and size so that it ends before a crease, or passes the crease if it is near and
+    /// continues with steps of size `h`.
+    fn approach(&mut self, found: &Found, [step, size]: [f64; 2], h: f64) -> Option<Attempt> {
+        let [before, behind] = match found {
+            Found::Steep => return Some(Attempt::Again(0.3 * size)),
+            Found::Nothing => return Some(Attempt::Ended(Status::WorkLimit)),
+            Found::Crease(ends) => *ends,
+        };
+        let begins_there = self.s + before <= self.sharpness(step);
+        let is_edge = self.atlas.layout.beyond_edge(self.ahead(behind).at);
+        if begins_there || is_edge.is_some() {
+            return None;
+        }
+        if behind <= self.nearness() {
+            return Some(self.pass_crease([before, behind], h));
+        }
+        let share = (before * (1.0 - COARSE) / step).min(SHORTER);
+        Some(Attempt::Again(share * size))
+    }
+
+    /// Returns the length to which a crease within a step of this length is located.
+    fn sharpness(&self, step: f64) -> f64 {
+        let scale = self.atlas.layout.scale.size.min(self.s + step);
+        (SHARP * scale).max(2.0 * self.rounding())
+    }
+
+    /// Returns the length along which the ray is a parabola up to rounding.
+    fn nearness(&self) -> f64 {
+        let radius = 1.0 / length(self.local.tangents, self.local.acceleration);
+        NEAR * self.atlas.layout.scale.size.min(radius)
+    }
+
+    /// Returns the state at a length ahead, on the parabola.
+    fn ahead(&self, length: f64) -> State {
+        let State { at, velocity } = self.state;
+        let a = self.local.acceleration;
+        State {
+            at: [0, 1].map(|k| at[k] + length * (velocity[k] + 0.5 * length * a[k])),
+            velocity: [0, 1].map(|k| velocity[k] + length * a[k]),
+        }
+    }
+
+    /// Continues behind a crease that is between two lengths ahead, both within the parabola.
+    fn pass_crease(&mut self, [before, behind]: [f64; 2], h: f64) -> Attempt {
+        let [mut near, far] = [before, behind].map(|length| self.ahead(length));
+        let jets = [near, far].map(|state| self.atlas.jet(state.at));
+        // By the mean of the accelerations at both ends the velocity is as accurate as the position.
+        let last = acceleration(&jets[0], near.velocity);
+        for (k, velocity) in near.velocity.iter_mut().enumerate() {
+            *velocity += 0.5 * before * (last[k] - self.local.acceleration[k]);
+        }
+        let sides = BothSides::new(&jets, self.atlas.embedded);
+        let gap = [0, 1].map(|k| far.at[k] - near.at[k]);
+        if sides.are_steep(gap) {
+            // A pole of the metric.
+            return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
+        }
         let scale = self.atlas.layout.scale.size.min(self.s + h);
-        let (near, here) = before;
-        let (far, there) = after;
-        let torn = self.atlas.embedded && {
-            let gap = self.atlas.gap(near.end.at, far.end.at);
-            gap > COMMON * scale
+        let passage = self.passage(&sides, &near, &far, scale);
+        let rounding = self.rounding();
+        let curvature = self.local.curvature;
+        let drift = |length: f64| {
+            let falls = curvature * length;
+            [[1.0 - 0.5 * length * falls, length], [-falls, 1.0]]
         };
-        let behind = if torn {
-            None
-        } else {
-            self.refracted(&near.end, here.tangents, &far.end, there.tangents)
-        };
-        self.accept(&near, here, near.length.min(h), pace, rounding, scale);
-        let Some(velocity) = behind else {
+        self.advance(before, drift(before), rounding);
+        self.state = near;
+        self.local.tangents = [jets[0].du, jets[0].dv];
+        let Some(passage) = passage else {
             // Not a crease but a tear, or a pole: the ray's continuation is undetermined.
             return Attempt::Ended(match stalled_at(self.atlas, self.plain().at) {
                 Status::ConePoint => Status::ConePoint,
                 _ => Status::Undefined,
             });
         };
-        self.creases += 1;
-        self.s += far.length - near.length;
+        self.note_field();
+        self.cost.steps += 1;
+        let bends = (scale * passage.field_change).abs() > NOTICED;
+        self.creases += usize::from(passage.refracts || bends);
+        self.advance(
+            behind - before,
+            [[1.0, behind - before], [passage.field_change, 1.0]],
+            0.0,
+        );
         self.state = State {
-            at: far.end.at,
-            velocity,
+            at: far.at,
+            velocity: passage.velocity,
         };
         let Some(local) = self.atlas.local(&self.chart, self.state) else {
             return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
@@ -205,137 +300,67 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// Returns the velocity behind a crease: the components along and across it keep their lengths. `None` where the
-    /// two sides do not have a direction in common.
-    fn refracted(
-        &self,
-        near: &State,
-        here: [[f64; 3]; 2],
-        far: &State,
-        there: [[f64; 3]; 2],
-    ) -> Option<[f64; 2]> {
-        let candidates = if self.atlas.embedded {
-            [Some(common_direction(here, there)?), None]
-        } else {
-            common_lengths(here, there)?
-        };
-        let along = candidates
-            .into_iter()
-            .flatten()
-            .find(|&along| self.atlas.embedded || self.is_along(near, here, far, there, along))?;
-        let size = length(here, along);
-        if (length(there, along) / size - 1.0).abs() > COMMON {
-            return None;
+    /// Adds a short length to the ray's own, and propagates its field and its errors.
+    fn advance(&mut self, length: f64, propagator: [[f64; 2]; 2], rounding: f64) {
+        let [m, rate] = self.field;
+        self.field = propagator.map(|[n, k]| n * m + k * rate);
+        if let Some(conjugates) = &mut self.observers.conjugates
+            && m * self.field[0] < 0.0
+        {
+            conjugates.push(self.s + length * m / (m - self.field[0]));
         }
-        let along = along.map(|x| x / size);
-        let v = near.velocity;
-        let share = inner(here, v, along);
-        let across = [0, 1].map(|k| v[k] - share * along[k]);
-        let height = length(here, across);
-        let tilt = inner(there, across, along);
-        let upright = [0, 1].map(|k| across[k] - tilt * along[k]);
-        let size = length(there, upright);
-        if !(size > 0.0 && size.is_finite()) {
-            return None;
-        }
-        Some([0, 1].map(|k| share * along[k] + height / size * upright[k]))
+        self.s += length;
+        self.errors.add(propagator, rounding, 0.0);
     }
 
-    /// Returns whether both sides continue along a direction, slightly off the crease: of the two directions in which
-    /// metrics agree, one is the crease's.
-    fn is_along(
+    /// Returns the continuation behind a crease; `None` where the two sides do not have a direction in common.
+    fn passage(
         &self,
+        sides: &BothSides<'_>,
         near: &State,
-        here: [[f64; 3]; 2],
         far: &State,
-        there: [[f64; 3]; 2],
-        along: [f64; 2],
-    ) -> bool {
+        scale: f64,
+    ) -> Option<Passage> {
+        let jets = sides.jets;
+        let gap = norm(combine(1.0, jets[1].position, -1.0, jets[0].position));
+        if self.atlas.embedded && gap > TORN * scale {
+            return None;
+        }
+        let (first, second) = sides.common_directions()?;
+        // Of two directions in which metrics agree, one is the crease's.
+        let along = match second {
+            None => first,
+            Some(_) if self.is_along(near, far, jets, first) => first,
+            Some(second) if self.is_along(near, far, jets, second) => second,
+            Some(_) => return None,
+        };
+        sides.passage(near.velocity, along)
+    }
+
+    /// Returns whether both sides continue along a direction, slightly off the crease.
+    fn is_along(&self, near: &State, far: &State, jets: &[Jet; 2], along: [f64; 2]) -> bool {
         let scale = self.atlas.layout.scale.size;
-        let (way, off) = (1e-4 * scale / length(here, along), 1e-6 * scale);
-        let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
-        let (before, after) = (form(here), form(there));
+        let way = 1e-4 * scale / length([jets[0].du, jets[0].dv], along);
+        let off = 1e-6 * scale;
+        let form = |jet: &Jet| {
+            [
+                dot(jet.du, jet.du),
+                dot(jet.du, jet.dv),
+                dot(jet.dv, jet.dv),
+            ]
+        };
+        let [before, after] = [&jets[0], &jets[1]].map(form);
         let gap = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f64>();
         [-way, way].into_iter().all(|way| {
             [(near, -off), (far, off)].into_iter().all(|(state, off)| {
                 let at = [0, 1].map(|k| state.at[k] + way * along[k] + off * near.velocity[k]);
-                let jet = self.atlas.jet(at);
-                let found = form([jet.du, jet.dv]);
+                let found = form(&self.atlas.jet(at));
                 (gap(found, before) < gap(found, after)) == (off < 0.0)
             })
         })
     }
 }
 
-fn inner(tangents: [[f64; 3]; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let vector = |x: [f64; 2]| combine(x[0], tangents[0], x[1], tangents[1]);
-    dot(vector(a), vector(b))
-}
-
 fn length(tangents: [[f64; 3]; 2], a: [f64; 2]) -> f64 {
     norm(combine(a[0], tangents[0], a[1], tangents[1]))
-}
-
-/// Returns the direction in (u,v) in which both sides have the same derivative of σ.
-fn common_direction(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[f64; 2]> {
-    let [u, v] = [0, 1].map(|k| combine(1.0, there[k], -1.0, here[k]));
-    let (largest, size) = if norm(u) >= norm(v) {
-        (u, norm(u))
-    } else {
-        (v, norm(v))
-    };
-    let unit = largest.map(|x| x / size);
-    let (a, b) = (dot(u, unit), dot(v, unit));
-    // The difference must have rank one.
-    let rest = norm(combine(1.0, u, -a, unit)).max(norm(combine(1.0, v, -b, unit)));
-    let typical = norm(here[0]).max(norm(here[1])).max(size);
-    (size > 0.0 && rest <= COMMON * typical).then_some([b, -a])
-}
-
-/// Returns the directions in (u,v) to which both sides assign the same length.
-fn common_lengths(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[Option<[f64; 2]>; 2]> {
-    let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
-    let (before, after) = (form(here), form(there));
-    let [e, f, g] = [0, 1, 2].map(|k| after[k] - before[k]);
-    let square = f * f - e * g;
-    let size = (f * f).max((e * g).abs());
-    if square < -COMMON * size {
-        return None;
-    }
-    let root = square.max(0.0).sqrt();
-    let pair = |sign: f64| {
-        if e.abs() >= g.abs() {
-            [-f + sign * root, e]
-        } else {
-            [g, -f + sign * root]
-        }
-    };
-    Some([Some(pair(1.0)), (root > 0.0).then(|| pair(-1.0))])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{common_lengths, length};
-
-    #[test]
-    fn both_sides_give_the_same_length_to_the_common_directions() {
-        let here = [[1.0, 0.0, 0.0], [0.2, 1.0, 0.0]];
-        for there in [
-            [[0.7, 0.0, 0.1], [0.4, 1.3, 0.0]],
-            [[1.3, 0.0, 0.1], [0.4, 0.8, 0.0]],
-            [[0.9, 0.0, 0.1], [0.4, 1.8, 0.0]],
-        ] {
-            let found = common_lengths(here, there).expect("lengths that agree somewhere");
-            let directions: Vec<[f64; 2]> = found.into_iter().flatten().collect();
-            assert_eq!(directions.len(), 2);
-            for direction in directions {
-                let lengths = [here, there].map(|tangents| length(tangents, direction));
-                assert!(lengths[0] > 0.1, "{direction:?}");
-                assert!((lengths[1] / lengths[0] - 1.0).abs() < 1e-12, "{lengths:?}");
-            }
-        }
-        // Longer in every direction.
-        let there = here.map(|tangent| tangent.map(|x| 2.0 * x));
-        assert_eq!(common_lengths(here, there), None);
-    }
 }

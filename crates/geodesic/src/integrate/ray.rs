@@ -95,8 +95,8 @@ impl Ray<'_, '_> {
         state
     }
 
-    /// Records the ray's position and its field, if requested.
-    pub(super) fn note_place(&mut self) {
+    /// Records the ray's field, if requested.
+    pub(super) fn note_field(&mut self) {
         if let Some(knots) = &mut self.observers.jacobi_knots {
             let [m, rate] = self.field;
             knots.push(JacobiKnot {
@@ -106,6 +106,11 @@ impl Ray<'_, '_> {
                 curvature: self.local.curvature,
             });
         }
+    }
+
+    /// Records the ray's position and its field, if requested.
+    pub(super) fn note_place(&mut self) {
+        self.note_field();
         if self.observers.path.is_some() {
             let at = self.plain().at;
             self.observers.path.get_or_insert_default().push(at);
@@ -149,11 +154,22 @@ impl Ray<'_, '_> {
     }
 
     pub(super) fn attempt(&mut self, h: f64, pace: StepParameter, length: f64) -> Attempt {
+        if self.plan.tolerance.is_some()
+            && let Some(met) = self.nears_other_piece(h)
+        {
+            return met;
+        }
         let Some(step) = self.step(h, pace) else {
             return Attempt::Again(UNDEFINED * h);
         };
         if self.s + step.length > length && pace == StepParameter::Coordinates {
             return Attempt::Again(0.5 * h);
+        }
+        // No tolerance is needed to notice another piece, and steps across creases are not smooth.
+        if self.plan.tolerance.is_some()
+            && let Some(met) = self.enters_other_piece(&step, h)
+        {
+            return met;
         }
         let scale = self.atlas.layout.scale.size.min(length);
         let rounding = self.rounding();
@@ -198,7 +214,7 @@ impl Ray<'_, '_> {
             return Attempt::Again(UNDEFINED * h);
         };
         if next.is_some()
-            && let Some(met) = self.crease(&step, &local, h, pace, may_err)
+            && let Some(met) = self.speed_jumps(&step, &local, h, may_err)
         {
             return met;
         }

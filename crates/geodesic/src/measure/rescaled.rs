@@ -123,6 +123,10 @@ impl Surface for Rescaled<'_> {
         }
     }
 
+    fn smooth_piece(&self, uv: Uv) -> u64 {
+        self.surface.smooth_piece(self.restored(uv))
+    }
+
     fn is_embedded(&self) -> bool {
         self.surface.is_embedded()
     }

@@ -1,0 +1,294 @@
+//! Geodesics and their Jacobi fields across creases that are curved in the surface, and across kinks of metrics.
+
+mod shapes;
+
+use expr::NodeId;
+use expr::ops::{Binary, Unary};
+use geodesic::frame::trace_heading;
+use geodesic::intrinsic::MetricSurface;
+use geodesic::measure;
+use geodesic::metric::Metric;
+use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::trace::{Options, Status, Trace, trace};
+use shapes::{Maker, PI};
+
+fn noting() -> Options {
+    Options {
+        conjugates: true,
+        ..Options::default()
+    }
+}
+
+/// The polynomial a + b u² + c v² + d u v.
+fn quadratic(m: &mut Maker, [a, b, c, d]: [f64; 4]) -> NodeId {
+    let (u, v) = (m.u, m.v);
+    let (uu, vv, uv) = (m.mul(u, u), m.mul(v, v), m.mul(u, v));
+    let (uu, vv, uv) = (m.scale(b, uu), m.scale(c, vv), m.scale(d, uv));
+    let sum = m.add(uu, vv);
+    let sum = m.add(sum, uv);
+    m.plus(a, sum)
+}
+
+/// max(0, w) + tilt u, with w a quadratic polynomial.
+fn hat(w: [f64; 4], tilt: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let w = quadratic(&mut m, w);
+    let zero = m.c(0.0);
+    let top = m.g.binary(Binary::Max, zero, w);
+    let (u, v) = (m.u, m.v);
+    let slope = m.scale(tilt, u);
+    let z = m.add(top, slope);
+    m.done([u, v, z], [[-3.0, 3.0]; 2])
+}
+
+/// A paraboloid on a plane: max(0, 1 − u² − v²).
+fn round_hat() -> ParametricSurface {
+    hat([1.0, -1.0, -1.0, 0.0], 0.0)
+}
+
+/// The metric of a [`hat`], as if it had no embedding: its coefficients jump.
+fn hat_metric([a, b, c, d]: [f64; 4], tilt: f64) -> MetricSurface {
+    let mut m = Maker::new();
+    let w = quadratic(&mut m, [a, b, c, d]);
+    let sign = m.f(Unary::Sign, w);
+    let sign = m.plus(1.0, sign);
+    let inside = m.scale(0.5, sign);
+    let (u, v) = (m.u, m.v);
+    let mut gradient = |x: NodeId, y: NodeId, k: f64, tilt: f64| {
+        let (own, mixed) = (m.scale(2.0 * k, x), m.scale(d, y));
+        let sum = m.add(own, mixed);
+        let sum = m.mul(inside, sum);
+        m.plus(tilt, sum)
+    };
+    let (x, y) = (gradient(u, v, b, tilt), gradient(v, u, c, 0.0));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let form = [m.plus(1.0, xx), m.mul(x, y), m.plus(1.0, yy)];
+    MetricSurface::new(&m.g, form, [[-3.0, 3.0]; 2], &[]).expect("small expressions")
+}
+
+/// min(0, 5 − 5r): a cone with a flat lid.
+fn lid() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let square = quadratic(&mut m, [0.0, 1.0, 1.0, 0.0]);
+    let r = m.f(Unary::Sqrt, square);
+    let side = m.scale(-5.0, r);
+    let side = m.plus(5.0, side);
+    let zero = m.c(0.0);
+    let z = m.g.binary(Binary::Min, zero, side);
+    m.done([u, v, z], [[-4.0, 4.0]; 2])
+}
+
+/// du² + (1 + |u|)² dv²: two planes in polar coordinates, without their unit discs, glued along the circles.
+fn two_planes() -> MetricSurface {
+    let mut m = Maker::new();
+    let u = m.u;
+    let abs = m.f(Unary::Abs, u);
+    let radius = m.plus(1.0, abs);
+    let (one, zero, g) = (m.c(1.0), m.c(0.0), m.mul(radius, radius));
+    MetricSurface::new(&m.g, [one, zero, g], [[-3.0, 3.0]; 2], &[]).expect("small expressions")
+}
+
+/// A flat lid of radius 1 on a cylinder, by its arc length: both have the same metric at the rim.
+fn can() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v, one) = (m.u, m.v, m.c(1.0));
+    let rest = m.scale(-1.0, v);
+    let rest = m.plus(2.0, rest);
+    let (radius, height) = (
+        m.g.binary(Binary::Min, one, rest),
+        m.g.binary(Binary::Min, v, one),
+    );
+    let p = m.around(radius, u, height);
+    m.done(p, [[0.0, 2.0 * PI], [0.0, 2.0]])
+}
+
+/// Four flat faces: −|u| − |v|.
+fn pyramid() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let (a, b) = (m.f(Unary::Abs, u), m.f(Unary::Abs, v));
+    let sum = m.add(a, b);
+    let z = m.scale(-1.0, sum);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+/// Returns m and the distance by which neighbouring rays are apart, per angle.
+#[track_caller]
+fn compare(surface: &dyn Surface, at: [f64; 2], degrees: f64, length: f64) -> [f64; 2] {
+    const TURN: f64 = 1e-5;
+    let options = Options {
+        tolerance: 1e-12,
+        ..noting()
+    };
+    let towards =
+        |angle: f64| trace_heading(surface, at, angle, length, &options).expect("a start");
+    let angle = degrees.to_radians();
+    let ray = towards(angle);
+    let [right, left] = [-TURN, TURN].map(|turn| towards(angle + turn));
+    assert!(
+        [&ray, &left, &right]
+            .iter()
+            .all(|it| it.status == Status::Complete),
+        "{ray:?}"
+    );
+    let metric = Metric::of(&surface.jet(ray.uv));
+    let across = metric.turn_left(ray.direction);
+    let apart = left.uv - right.uv;
+    [ray.jacobi[0], metric.inner(apart, across) / (2.0 * TURN)]
+}
+
+#[track_caller]
+fn is(found: f64, expected: f64, tolerance: f64) {
+    let off = (found / expected - 1.0).abs();
+    assert!(off <= tolerance, "{found} instead of {expected}: {off:e}");
+}
+
+/// The length of a meridian of the paraboloid to its rim.
+fn to_rim() -> f64 {
+    let root = 5.0_f64.sqrt();
+    (2.0 * root + 2.0_f64.asinh()) / 4.0
+}
+
+#[test]
+fn the_field_grows_behind_a_rim_as_the_circles_do() {
+    let length = 2.0;
+    let radius = 1.0 + length - to_rim();
+    for surface in [
+        &round_hat() as &dyn Surface,
+        &hat_metric([1.0, -1.0, -1.0, 0.0], 0.0),
+    ] {
+        for direction in [[1.0, 0.0], [0.3, -0.8]] {
+            let end = trace(surface, [0.0, 0.0], direction, length, &noting()).expect("a start");
+            is(end.jacobi[0], radius, 1e-9);
+            is(end.jacobi[1], 1.0, 1e-9);
+            assert_eq!((end.creases, end.status), (1, Status::Complete));
+        }
+    }
+}
+
+#[test]
+fn the_lid_of_a_cone_focuses() {
+    let lid = lid();
+    let slant = 26.0_f64.sqrt();
+    let start = [-1.0 - 4.0 / slant, 0.0];
+    // Each curvature of the rim is that in its plane, the cone unrolled.
+    let rate = 1.0 - 4.0 * (1.0 - 1.0 / slant);
+    let end = trace(&lid, start, [1.0, 0.0], 5.9, &noting()).expect("a start");
+    is(end.jacobi[0], 4.0 + 1.9 * rate, 1e-9);
+    is(end.jacobi[1], rate, 1e-9);
+    assert_eq!(end.conjugates.len(), 1, "{end:?}");
+    is(end.conjugates[0], 4.0 - 4.0 / rate, 1e-9);
+    // A circle about the centre of the lid.
+    let circle = measure::circle(&lid, [0.0, 0.0], 2.0)
+        .expect("a place")
+        .expect("a circle");
+    is(circle.circumference, 2.0 * PI * (1.0 + 1.0 / slant), 1e-8);
+}
+
+#[test]
+fn circles_behind_a_rim_have_their_lengths() {
+    let outer = 1.0 + 2.0 - to_rim();
+    let circle = measure::circle(&round_hat(), [0.0, 0.0], 2.0)
+        .expect("a place")
+        .expect("a circle");
+    is(circle.circumference, 2.0 * PI * outer, 1e-8);
+    let paraboloid = PI / 6.0 * (5.0 * 5.0_f64.sqrt() - 1.0);
+    is(circle.area, paraboloid + PI * (outer * outer - 1.0), 1e-8);
+}
+
+#[test]
+fn a_kink_of_a_metric_turns_neighbours_even_where_the_ray_crosses_it_at_a_right_angle() {
+    let planes = two_planes();
+    let end = trace(&planes, [-1.0, 0.3], [1.0, 0.0], 2.0, &noting()).expect("a start");
+    is(end.jacobi[0], 4.0, 1e-9);
+    is(end.jacobi[1], 3.0, 1e-9);
+    assert_eq!(end.creases, 1);
+    // The rim of a can, from the cylinder's side and from the lid's.
+    let can = can();
+    let end = trace(&can, [1.0, 0.2], [0.0, 1.0], 1.5, &noting()).expect("a start");
+    is(end.jacobi[1], 1.0 - 0.8, 1e-9);
+    is(end.jacobi[0], 0.8 + 0.7 * 0.2, 1e-9);
+    let end = trace(&can, [1.0, 1.9], [0.0, -1.0], 1.5, &noting()).expect("a start");
+    is(end.jacobi[1], 1.0 - 0.9, 1e-9);
+}
+
+#[test]
+fn fields_behind_curved_creases_are_the_differences_of_neighbours() {
+    let oblique = [1.0, -1.0, -2.0, 0.3];
+    let cases: [(&dyn Surface, [f64; 2], f64, f64); 8] = [
+        (&round_hat(), [2.0, 0.3], 170.0, 3.0),
+        (&lid(), [-1.784, 0.0], 8.0, 5.5),
+        (&two_planes(), [1.0, 0.3], 170.0, 2.0),
+        (&can(), [1.0, 0.2], 70.0, 1.5),
+        (&hat(oblique, 0.0), [1.5, 0.3], 190.0, 2.5),
+        (&hat(oblique, 0.7), [1.5, 0.3], 190.0, 2.5),
+        (&hat_metric(oblique, 0.0), [1.5, 0.3], 190.0, 2.5),
+        (&hat_metric(oblique, 0.7), [1.5, 0.3], 190.0, 2.5),
+    ];
+    for (n, (surface, at, degrees, length)) in cases.into_iter().enumerate() {
+        let [m, apart] = compare(surface, at, degrees, length);
+        let off = (m - apart).abs() / (1.0 + apart.abs());
+        assert!(off < 1e-6, "{n}: {m} instead of {apart}");
+    }
+}
+
+#[test]
+fn a_metric_with_a_jump_has_the_geodesics_of_its_surface() {
+    let oblique = [1.0, -1.0, -2.0, 0.3];
+    let [surface, metric] = [
+        &hat(oblique, 0.7) as &dyn Surface,
+        &hat_metric(oblique, 0.7),
+    ]
+    .map(|surface| trace_heading(surface, [1.5, 0.3], 3.3, 4.0, &noting()).expect("a start"));
+    let off = |a: &Trace, b: &Trace| (0..2).map(|k| (a.uv[k] - b.uv[k]).abs()).sum::<f64>();
+    assert!(off(&surface, &metric) < 1e-9, "{surface:?} {metric:?}");
+    assert_eq!((surface.creases, metric.creases), (2, 2));
+    is(metric.jacobi[0], surface.jacobi[0], 1e-8);
+}
+
+#[test]
+fn where_only_second_derivatives_jump_nothing_else_does() {
+    // (u, v, u|u|).
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let abs = m.f(Unary::Abs, u);
+    let z = m.mul(u, abs);
+    let s = m.done([u, v, z], [[-2.0, 2.0]; 2]);
+    let end = trace(&s, [-0.5, 0.1], [1.0, 0.4], 1.5, &noting()).expect("a start");
+    assert_eq!((end.creases, end.status), (0, Status::Complete));
+    // A surface of translation is flat.
+    is(end.jacobi[0], 1.5, 1e-9);
+}
+
+#[test]
+fn tight_tolerances_cross_creases() {
+    for tolerance in [1e-9, 1e-11, 1e-12, 1e-13] {
+        let options = Options {
+            tolerance,
+            ..Options::default()
+        };
+        for (surface, from) in [
+            (&round_hat() as &dyn Surface, [0.0, 0.0]),
+            (&hat([1.0, -1.0, -2.0, 0.3], 0.0), [0.1, -0.2]),
+        ] {
+            for n in 0..40 {
+                let end = trace_heading(surface, from, 0.157 * f64::from(n), 2.0, &options)
+                    .expect("a start");
+                assert_eq!(end.status, Status::Complete, "{tolerance:e}, {n}: {end:?}");
+                assert_eq!(end.creases, 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_crease_costs_a_few_steps() {
+    let options = Options {
+        compare: false,
+        ..Options::default()
+    };
+    let end = trace(&pyramid(), [1.0, 0.2], [-1.0, 0.55], 2.4536, &options).expect("a start");
+    assert_eq!((end.creases, end.status), (1, Status::Complete));
+    assert!(end.evaluations <= 150, "{}", end.evaluations);
+}
