@@ -69,6 +69,9 @@ pub struct FanOptions {
     /// one by one; lower for a surface that is expensive to evaluate ([`affordable_evaluations`]). Where it does not
     /// suffice, unknown ends have [`Status::WorkLimit`].
     pub max_evaluations: u64,
+    /// True if the number of ends requested is not that of a picture's pixels: each is integrated on its own where the rays do
+    /// not determine it, and the caller observes [`Fan::work`].
+    pub follows_each: bool,
 }
 
 impl Default for FanOptions {
@@ -77,6 +80,7 @@ impl Default for FanOptions {
             tolerance: 0.1,
             interpolation: Interpolation::Hermite,
             max_evaluations: 40_000_000,
+            follows_each: false,
         }
     }
 }

@@ -133,6 +133,7 @@ fn fan_options(interpolation: Interpolation, options: &MapOptions) -> FanOptions
         tolerance: options.tolerance,
         interpolation,
         max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
+        ..defaults
     }
 }
 

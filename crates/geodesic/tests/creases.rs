@@ -292,3 +292,33 @@ fn a_crease_costs_a_few_steps() {
     assert_eq!((end.creases, end.status), (1, Status::Complete));
     assert!(end.evaluations <= 150, "{}", end.evaluations);
 }
+
+#[test]
+fn geodesics_between_points_of_two_faces_are_found() {
+    let found = measure::between(&pyramid(), [1.0, 0.2], [-1.0, 0.3], None).expect("two points");
+    // By unfolding the faces: through (0, 0.75).
+    is(found.found[0].length, 6.02_f64.sqrt(), 1e-9);
+    assert!(found.complete, "{found:?}");
+}
+
+#[test]
+fn geodesics_across_rims_are_found() {
+    for (surface, from, to) in [
+        (&lid() as &dyn Surface, [-1.784, 0.0], [0.9, 0.0]),
+        (&round_hat(), [-2.0, 0.1], [2.0, 0.0]),
+        (&two_planes(), [-1.0, -1.0], [1.0, 1.0]),
+    ] {
+        let found = measure::between(surface, from, to, None).expect("two points");
+        let first = found.found.first().expect("a geodesic");
+        let end = trace(
+            surface,
+            first.from,
+            first.direction,
+            first.length,
+            &noting(),
+        );
+        let end = end.expect("a start").uv;
+        let off = (end[0] - to[0]).hypot(end[1] - to[1]);
+        assert!(off < 1e-8, "{found:?}");
+    }
+}

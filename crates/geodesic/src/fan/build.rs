@@ -12,7 +12,7 @@ use super::driver::{self, RayPlan};
 use super::ray::Ray;
 use super::sectors::{Profile, Sector, Sectors, most};
 use super::start::FanStart;
-use super::unknown::UnknownAreas;
+use super::unknown::{ONE_PIXEL, UnknownAreas};
 use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 use crate::surface::Surface;
@@ -138,7 +138,9 @@ pub(super) fn build(
         pixel_limit: 0,
     };
     all.index();
-    if !builder.exhausted {
+    if options.follows_each {
+        (all.follow_within, all.pixel_limit) = (f64::INFINITY, ONE_PIXEL as usize);
+    } else if !builder.exhausted {
         let left = options.max_evaluations.saturating_sub(all.work.evaluations);
         let unknown = UnknownAreas::of(&all, layout, options.interpolation, start);
         (all.follow_within, all.pixel_limit) = unknown.affordable(&all.work, start, left);

@@ -12,7 +12,7 @@ use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 
 /// The maximum number of evaluations for a pixel that is integrated on its own.
-const ONE_PIXEL: u64 = 20_000;
+pub(super) const ONE_PIXEL: u64 = 20_000;
 /// The cost of an evaluation for one pixel, in evaluations of rays, of which several are done at once.
 const COST: u64 = 2;
 /// The number of times that each pixel may be evaluated.

@@ -46,7 +46,7 @@ const MARGIN: f64 = 1.4;
 const BENT: f64 = 1.0;
 /// A sector that is wider than this fraction of the reach is halved.
 const EDGE: f64 = 0.25;
-/// A sector in which some rays have ended is halved if it is wider than this fraction of the reach.
+/// A sector in which some rays have ended, or have crossed a crease, is halved if it is wider than this fraction of the reach.
 const TORN: f64 = 1.0 / 64.0;
 /// Sectors narrower than this angle are not halved: the fan has no rays between those of neighbouring pixels.
 const LEAST_WIDTH: f64 = 2e-4;
@@ -97,6 +97,7 @@ pub(super) fn guesses(
     let surface = source.surface;
     let options = FanOptions {
         max_evaluations: MOST_EVALUATIONS,
+        follows_each: true,
         ..FanOptions::default()
     };
     let fan = Fan::build(surface, &frame.zoomed(reach), [PICTURE; 2], &options);
@@ -218,8 +219,9 @@ impl TargetSearch<'_> {
         let spread = width * all().fold(0.0, |most: f64, it| it.m.abs().max(most));
         let [greatest, curvature] = self.curvature(all());
         let has_over = all().count() < begin.len() + end.len();
+        let is_torn = has_over || !self.are_in_one_piece(all());
         let is_resolved = spread * spread * curvature <= BENT * BENT && spread <= EDGE * self.reach;
-        if width > LEAST_WIDTH && !(is_resolved && (!has_over || spread <= TORN * self.reach)) {
+        if width > LEAST_WIDTH && !(is_resolved && (!is_torn || spread <= TORN * self.reach)) {
             return CellState::Wide;
         }
         let left = self.reach - near + spread;
@@ -243,6 +245,13 @@ impl TargetSearch<'_> {
             most = [most[0].max(curvature.abs()), most[1].max(curvature)];
         }
         [most[0], if most[1] > 0.0 { most[0] } else { 0.0 }]
+    }
+
+    /// Returns whether no crease separates some ends: the curvature beside a crease does not tell how it bends rays apart.
+    fn are_in_one_piece<'a>(&self, ends: impl Iterator<Item = &'a Arrival>) -> bool {
+        let mut pieces = ends.map(|end| self.surface.smooth_piece(end.at));
+        let first = pieces.next();
+        pieces.all(|piece| Some(piece) == first)
     }
 
     /// Drops a cell, halves it, or searches for its solutions.

@@ -79,12 +79,12 @@ pub(super) fn fan_options(
     interpolation: Interpolation,
     size: [u32; 2],
 ) -> FanOptions {
+    let defaults = FanOptions::default();
     FanOptions {
         tolerance,
         interpolation,
-        max_evaluations: FanOptions::default()
-            .max_evaluations
-            .min(most_evaluations(size)),
+        max_evaluations: defaults.max_evaluations.min(most_evaluations(size)),
+        ..defaults
     }
 }
 
