@@ -78,10 +78,19 @@ fn a_circle_has_its_circumference_and_area() {
     let found = document(SPHERE, "--at 1,0.5 --circle 1");
     assert_eq!(
         keys(&found),
-        ["area", "circumference", "error_estimate", "overlaps"]
+        [
+            "area",
+            "circumference",
+            "error_estimate",
+            "error_estimates",
+            "overlaps"
+        ]
     );
     let bound = number(&found, "error_estimate");
     assert!(bound < 1e-8, "{found}");
+    let errors = &found["error_estimates"];
+    let larger = number(errors, "area").max(number(errors, "circumference"));
+    assert_eq!(larger, bound);
     assert_close(
         "length",
         number(&found, "circumference"),
@@ -98,7 +107,13 @@ fn a_circle_has_its_circumference_and_area() {
     assert_eq!(document(SPHERE, "--at 1,0.5 --circle 4")["overlaps"], true);
     // Rays that end.
     let ended = document(HALF_PLANE, "--at 0,1 --circle 5");
-    for key in ["area", "circumference", "error_estimate", "overlaps"] {
+    for key in [
+        "area",
+        "circumference",
+        "error_estimate",
+        "error_estimates",
+        "overlaps",
+    ] {
         assert_eq!(ended[key], Value::Null, "{ended}");
     }
     let note = ended["note"].as_str().unwrap_or_default();
@@ -188,6 +203,7 @@ fn a_triangle_has_sides_angles_and_an_area() {
             "angles",
             "area",
             "error_estimate",
+            "error_estimates",
             "excess",
             "integral_K",
             "sides"

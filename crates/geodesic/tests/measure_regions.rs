@@ -29,10 +29,10 @@ fn gauss_bonnet(what: &str, found: &Triangle) -> TriangleRegion {
         &format!("{what}: excess and ∫K"),
         excess,
         region.curvature,
-        region.error_estimate,
+        region.curvature_error,
     );
     assert!(
-        region.error_estimate <= 1e-6 * region.area.max(1.0),
+        region.area_error <= 1e-6 * region.area.max(1.0) && region.curvature_error <= 1e-6,
         "{what}: {region:?}"
     );
     region
@@ -55,14 +55,14 @@ fn triangles_of_a_sphere_have_their_excess_as_area() {
         near("angle", octant.angles[k].expect("an angle"), PI / 2.0, 1e-9);
     }
     let region = gauss_bonnet("octant", &octant);
-    near("area", region.area, PI / 2.0, region.error_estimate);
+    near("area", region.area, PI / 2.0, region.area_error);
     // The order of the corners does not matter.
     let turned = triangle(
         &sphere,
         [[0.3 + PI / 2.0, 0.0], [0.0, PI / 2.0], [0.3, 0.0]],
     );
     let region = gauss_bonnet("octant", &turned);
-    near("area", region.area, PI / 2.0, region.error_estimate);
+    near("area", region.area, PI / 2.0, region.area_error);
     let mut random = Random(3);
     for n in 0..12 {
         let mut place = || {
@@ -77,7 +77,7 @@ fn triangles_of_a_sphere_have_their_excess_as_area() {
             "area",
             region.area,
             found.excess().expect("angles"),
-            region.error_estimate,
+            region.area_error,
         );
     }
 }
@@ -86,7 +86,7 @@ fn triangles_of_a_sphere_have_their_excess_as_area() {
 fn triangles_of_flat_and_hyperbolic_planes_have_known_areas() {
     let found = triangle(&plane(), [[0.0, 0.0], [3.0, 0.0], [0.0, 2.0]]);
     let region = gauss_bonnet("plane", &found);
-    near("area", region.area, 3.0, region.error_estimate);
+    near("area", region.area, 3.0, region.area_error);
     near(
         "side",
         found.sides[0].expect("a side").length,
@@ -95,24 +95,32 @@ fn triangles_of_flat_and_hyperbolic_planes_have_known_areas() {
     );
     let found = triangle(&half_plane(), [[0.0, 1.0], [1.0, 1.0], [0.3, 2.5]]);
     let region = gauss_bonnet("half-plane", &found);
-    near(
-        "area",
-        region.area,
-        -region.curvature,
-        region.error_estimate,
-    );
+    near("area", region.area, -region.curvature, region.area_error);
     let found = triangle(&poincare_disc(), [[0.1, 0.2], [-0.5, 0.3], [0.4, -0.6]]);
     let region = gauss_bonnet("disc", &found);
-    near(
-        "area",
-        region.area,
-        -region.curvature,
-        region.error_estimate,
-    );
+    near("area", region.area, -region.curvature, region.area_error);
     // Over the seam of a cylinder.
     let found = triangle(&cylinder(), [[TAU - 0.5, 0.0], [0.5, 0.0], [0.0, 1.0]]);
     let region = gauss_bonnet("cylinder", &found);
-    near("area", region.area, 1.0, region.error_estimate);
+    near("area", region.area, 1.0, region.area_error);
+}
+
+#[test]
+fn errors_of_areas_and_of_curvatures_scale_on_their_own() {
+    let corners = [[0.3, 0.4], [2.0, -0.5], [1.5, 1.0]];
+    let of_size = |size: f64| {
+        let found = triangle(&triaxial(size, 1.3 * size, 0.7 * size), corners);
+        gauss_bonnet(&format!("{size:e}"), &found)
+    };
+    let usual = of_size(1.0);
+    for size in [1e-6, 1e6, 6_378_137.0] {
+        let found = of_size(size);
+        let area = size * size * usual.area;
+        near("area", found.area / area, 1.0, 1e-8);
+        let share = found.area_error / area / (usual.area_error / usual.area);
+        assert!((0.5..2.0).contains(&share), "{found:?}");
+        assert!(found.curvature_error < 1e-8, "{found:?}");
+    }
 }
 
 #[test]
@@ -122,7 +130,7 @@ fn the_tip_of_a_cone_adds_its_deficit() {
     let corners = [[0.0, 1.0], [2.0, 1.2], [4.2, 0.8]];
     let found = triangle(&cone, corners);
     let region = gauss_bonnet("around the tip", &found);
-    near("deficit", region.curvature, deficit, region.error_estimate);
+    near("deficit", region.curvature, deficit, region.curvature_error);
     // Unrolled, three triangles about the tip.
     let expected: f64 = (0..3)
         .map(|k| {
@@ -131,10 +139,10 @@ fn the_tip_of_a_cone_adds_its_deficit() {
             0.5 * 2.0 * r * s * turn.sin()
         })
         .sum();
-    near("area", region.area, expected, region.error_estimate);
+    near("area", region.area, expected, region.area_error);
     let beside = triangle(&cone, [[0.0, 1.0], [0.5, 1.2], [0.2, 2.0]]);
     let region = gauss_bonnet("beside the tip", &beside);
-    near("∫K", region.curvature, 0.0, region.error_estimate);
+    near("∫K", region.curvature, 0.0, region.curvature_error);
 }
 
 #[test]
@@ -209,10 +217,13 @@ fn circles_of_latitude_turn_vectors_by_what_they_run_around() {
         let expected = TAU * (1.0 - colatitude.cos());
         let off = turn_between(found.angle, expected);
         assert!(
-            off <= found.error_estimate + 1e-12,
+            off <= found.angle_error + 1e-12,
             "{colatitude}: {found:?}, off {off:e}"
         );
-        assert!(found.error_estimate < 1e-9, "{found:?}");
+        assert!(
+            found.length_error.max(found.angle_error) < 1e-9,
+            "{found:?}"
+        );
     }
     // On a metric: a horocycle of the half-plane, 1/v long for each unit of u, turns by its length.
     let curve = |t: f64| ([t, 2.0].into(), [1.0, 0.0].into());
@@ -263,7 +274,7 @@ fn a_walk_around_a_triangle_turns_by_the_curvature_inside() {
         let holonomy = closing.holonomy.expect("closed");
         let off = turn_between(holonomy.abs(), region.curvature.abs());
         assert!(
-            off <= 2.0 * region.error_estimate,
+            off <= 2.0 * region.curvature_error,
             "{n}: {holonomy} against {region:?}"
         );
     }

@@ -121,10 +121,7 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
                 beside(found.circumference, length, "2πr"),
             ));
             rows.push(Quantity::new("area", beside(found.area, area, "πr²")));
-            rows.push(Quantity::new(
-                "error",
-                format!("≤ {:.1e}", found.error_estimate),
-            ));
+            rows.push(errors(found.circumference_error, found.area_error));
             if found.overlaps {
                 let note = "the circle overlaps itself: regions swept twice count twice";
                 answer.note = Some(note.to_owned());
@@ -139,6 +136,11 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
         }
     }
     answer
+}
+
+/// The error estimates of two numbers, in the order of their rows.
+fn errors(first: f64, second: f64) -> Quantity {
+    Quantity::new("errors", format!("≤ {first:.1e}, {second:.1e}"))
 }
 
 fn triangle_rows(found: &Triangle) -> Measured {
@@ -163,10 +165,7 @@ fn triangle_rows(found: &Triangle) -> Measured {
         Ok(region) => {
             rows.push(Quantity::new("∫K", number(region.curvature)));
             rows.push(Quantity::new("area", number(region.area)));
-            rows.push(Quantity::new(
-                "error",
-                format!("≤ {:.1e}", region.error_estimate),
-            ));
+            rows.push(errors(region.curvature_error, region.area_error));
         }
         Err(error) => note = Some(error.to_string()),
     }

@@ -105,9 +105,17 @@ struct CircleJson {
     circumference: Option<f64>,
     area: Option<f64>,
     overlaps: Option<bool>,
+    /// The larger of both estimates.
     error_estimate: Option<f64>,
+    error_estimates: Option<CircleErrorsJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     note: Option<String>,
+}
+
+#[derive(Serialize)]
+struct CircleErrorsJson {
+    circumference: f64,
+    area: f64,
 }
 
 /// The JSON document of the geodesics between two places.
@@ -141,9 +149,18 @@ struct TriangleJson {
     excess: Option<f64>,
     #[serde(rename = "integral_K")]
     curvature: Option<f64>,
+    /// The larger of both estimates.
     error_estimate: Option<f64>,
+    error_estimates: Option<TriangleErrorsJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     note: Option<String>,
+}
+
+#[derive(Serialize)]
+struct TriangleErrorsJson {
+    area: f64,
+    #[serde(rename = "integral_K")]
+    curvature: f64,
 }
 
 /// Measures what the arguments name.
@@ -259,12 +276,17 @@ impl Measuring<'_> {
                 circumference,
                 area,
                 overlaps,
-                error_estimate,
+                circumference_error,
+                area_error,
             }) => CircleJson {
                 circumference: Some(circumference),
                 area: Some(area),
                 overlaps: Some(overlaps),
-                error_estimate: Some(error_estimate),
+                error_estimate: Some(circumference_error.max(area_error)),
+                error_estimates: Some(CircleErrorsJson {
+                    circumference: circumference_error,
+                    area: area_error,
+                }),
                 note: None,
             },
             Err(stop) => CircleJson {
@@ -272,6 +294,7 @@ impl Measuring<'_> {
                 area: None,
                 overlaps: None,
                 error_estimate: None,
+                error_estimates: None,
                 note: Some(stopped(&stop)),
             },
         };
@@ -320,7 +343,11 @@ impl Measuring<'_> {
             area: region.map(|region| region.area),
             excess: found.excess(),
             curvature: region.map(|region| region.curvature),
-            error_estimate: region.map(|region| region.error_estimate),
+            error_estimate: region.map(|region| region.area_error.max(region.curvature_error)),
+            error_estimates: region.map(|region| TriangleErrorsJson {
+                area: region.area_error,
+                curvature: region.curvature_error,
+            }),
             note: found.region.err().map(|error| error.to_string()),
         };
         self.print(&document, &text::triangle(&found))

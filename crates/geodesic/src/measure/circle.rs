@@ -22,8 +22,10 @@ pub struct Circle {
     pub area: f64,
     /// True if part of the area is swept more than once: the radius is larger than the distance to the cut locus.
     pub overlaps: bool,
-    /// The larger of the estimated errors of the circumference and of the area.
-    pub error_estimate: f64,
+    /// The estimated error of the circumference.
+    pub circumference_error: f64,
+    /// The estimated error of the area.
+    pub area_error: f64,
 }
 
 /// A ray that ends before it reaches the circle's radius.
@@ -106,7 +108,8 @@ fn circle_on(
         circumference,
         area,
         overlaps: passes_conjugate || meets_itself(&source, uv, radius)?,
-        error_estimate: error(0).max(error(1)),
+        circumference_error: error(0),
+        area_error: error(1),
     }))
 }
 

@@ -45,8 +45,10 @@ pub struct TriangleRegion {
     pub area: f64,
     /// The integral of the Gaussian curvature over it, plus the angular deficit of a cone's tip inside.
     pub curvature: f64,
-    /// The larger of the estimated errors of both.
-    pub error_estimate: f64,
+    /// The estimated error of the area.
+    pub area_error: f64,
+    /// The estimated error of the curvature.
+    pub curvature_error: f64,
 }
 
 /// The reason why a triangle has no region.
@@ -85,7 +87,7 @@ impl fmt::Display for NoRegion {
     }
 }
 
-/// The error allowed to the quadrature, and to rays and corners, relative to the square of the largest side.
+/// The error allowed to the quadrature, and to rays and corners, relative to the square of the largest side; for ∫K, to 1.
 const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 1e-9;
 /// The maximum number of the quadrature's intervals along a side.
@@ -260,14 +262,11 @@ fn measured(
         .iter()
         .map(|path| path.side.length)
         .fold(0.0, f64::max);
-    let of_rays = [area, curvature]
-        .iter()
-        .map(|x| OF_RAYS * x.abs())
-        .fold(OF_RAYS * longest * longest, f64::max);
     TriangleRegion {
         area: sign * area,
         curvature: sign * curvature + deficit,
-        error_estimate: errors[0].max(errors[1]) + of_rays,
+        area_error: errors[0] + OF_RAYS * area.abs().max(longest * longest),
+        curvature_error: errors[1] + OF_RAYS * curvature.abs().max(1.0),
     }
 }
 

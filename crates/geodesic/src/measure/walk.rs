@@ -63,8 +63,10 @@ pub struct Transport {
     /// The angle by which parallel transport turns a vector against σu; for a closed curve its holonomy, except for the
     /// turns of σu itself around a pole.
     pub angle: f64,
-    /// The larger of the estimated errors of both.
-    pub error_estimate: f64,
+    /// The estimated error of the length.
+    pub length_error: f64,
+    /// The estimated error of the angle.
+    pub angle_error: f64,
 }
 
 /// The relative accuracy aimed at, and the maximum number of the quadrature's intervals.
@@ -96,7 +98,8 @@ pub fn transport(
     Some(Transport {
         length: found.values[0],
         angle: found.values[1],
-        error_estimate: found.errors[0].max(found.errors[1]),
+        length_error: found.errors[0],
+        angle_error: found.errors[1],
     })
 }
 

@@ -43,24 +43,33 @@ fn show_pair(pair: [f64; 2]) -> String {
     show_all(&pair.map(|x| format!("{x:.14e}").parse().unwrap_or(x)))
 }
 
-/// The error estimate of some numbers, with a warning where it is so large that most of their digits mean nothing.
-fn trust(estimate: f64, values: [f64; 2]) -> String {
-    let warning = if values.iter().any(|&value| is_vague(value, estimate)) {
+/// The error estimates of two numbers, with a warning where one is so large that most digits of its number mean nothing.
+fn trust(values: [f64; 2], estimates: [f64; 2]) -> String {
+    let is_any_vague = (0..2).any(|k| is_vague(values[k], estimates[k]));
+    let warning = if is_any_vague {
         ": these numbers are not reliable"
     } else {
         ""
     };
-    format!("error estimate {estimate:.1e}{warning}")
+    let [first, second] = estimates;
+    format!("error estimates {first:.1e} and {second:.1e}{warning}")
 }
 
 pub(super) fn circle(found: &Circle, radius: f64) -> String {
-    let ratio = |value: f64, flat: f64| {
-        let share = match is_vague(value, found.error_estimate) {
-            true => show_estimated(value / flat, found.error_estimate / flat),
+    let ratio = |value: f64, estimate: f64, flat: f64| {
+        let share = match is_vague(value, estimate) {
+            true => show_estimated(value / flat, estimate / flat),
             false => format!("{:.6}", value / flat),
         };
         format!("{share} of the flat one's {}", show_measured(flat))
     };
+    let Circle {
+        circumference,
+        area,
+        circumference_error,
+        area_error,
+        ..
+    } = *found;
     let overlap = if found.overlaps {
         "it overlaps itself: regions swept twice count twice"
     } else {
@@ -75,11 +84,11 @@ circle of radius {}
   {overlap}
 ",
         show_measured(radius),
-        show_estimated(found.circumference, found.error_estimate),
-        ratio(found.circumference, TAU * radius),
-        show_estimated(found.area, found.error_estimate),
-        ratio(found.area, PI * radius * radius),
-        trust(found.error_estimate, [found.circumference, found.area]),
+        show_estimated(circumference, circumference_error),
+        ratio(circumference, circumference_error, TAU * radius),
+        show_estimated(area, area_error),
+        ratio(area, area_error, PI * radius * radius),
+        trust([circumference, area], [circumference_error, area_error]),
     )
 }
 
@@ -142,10 +151,13 @@ pub(super) fn triangle(found: &Triangle) -> String {
   area          {}
   trust         {}
 ",
-            show_estimated(region.curvature, region.error_estimate),
-            show_estimated(region.area, region.error_estimate),
-            // A curvature of 0 is as good as the area.
-            trust(region.error_estimate, [region.area; 2]),
+            show_estimated(region.curvature, region.curvature_error),
+            show_estimated(region.area, region.area_error),
+            // An integral of 0 is as good as one of 1.
+            trust(
+                [region.curvature.abs().max(1.0), region.area],
+                [region.curvature_error, region.area_error],
+            ),
         )),
         Err(error) => text.push_str(&format!("  no region: {error}\n")),
     }
