@@ -2,7 +2,8 @@
 //!
 //! Every pixel is entered into a table over the chart, or over space on a solid, of which a cell keeps the nearest to the
 //! centre. By its derivative, that pixel's part of the picture gives the distance of a place close by. A pixel that is
-//! farther away than its cell's or a neighbouring cell's entry says lies beyond. The line is their border.
+//! much farther away than its cell's or a neighbouring cell's entry says surely lies beyond, and with it those that are farther
+//! away at all, up to the cut locus. The line is their border.
 
 use std::collections::HashMap;
 
@@ -21,8 +22,8 @@ use super::stroke;
 
 /// The most cells along an axis.
 const MOST_CELLS: usize = 1024;
-/// A pixel lies beyond if another way is shorter by so many pixels.
-const THRESHOLD: f64 = 1.0;
+/// A pixel surely lies beyond if another way is shorter by so many pixels.
+const THRESHOLD: f32 = 1.0;
 /// The distance in pixels up to which an entry gives the distances of places.
 const FARTHEST: f64 = 10.0;
 /// The distance from the centre, in pixels, within which no other geodesic is shorter.
@@ -74,15 +75,18 @@ impl<const N: usize> PixelEnd<N> {
         ways.map(|(step, by)| *step * DVec2::from(by)).sum()
     }
 
-    /// Returns true if another pixel's way is surely shorter, of which `kept` shows the end that lies a step before this one.
-    fn lies_beyond(&self, kept: &Self, step: [f64; N]) -> bool {
+    /// Returns the number of pixels by which another pixel's way is shorter, of which `kept` shows the end that lies a step
+    /// before this one; 0 where that is not another way, or is not known.
+    fn excess_over(&self, kept: &Self, step: [f64; N]) -> f32 {
         // The kept pixel, moved by this step, is where the other way shows this point.
         let off = kept.way_of(step);
         let predicted = (DVec2::from(kept.place) + off).length();
+        let excess = self.distance - predicted;
         // To first order only a short step can be trusted.
-        off.length() < FARTHEST
-            && self.distance > predicted + THRESHOLD
-            && !self.is_same_way(kept, off, self.way_of(step))
+        let is_other = off.length() < FARTHEST
+            && excess > 0.0
+            && !self.is_same_way(kept, off, self.way_of(step));
+        if is_other { excess as f32 } else { 0.0 }
     }
 
     /// Returns true if both are ends of neighbouring geodesics, `kept_way` and `own_way` being what each of them says of the way
@@ -97,31 +101,34 @@ impl<const N: usize> PixelEnd<N> {
 
 /// Notes the pixels that lie behind a conjugate point, where no geodesic is the shortest. `degeneracy` is 0 there, and has at
 /// each pixel the sign of the Jacobi field.
-pub(super) fn add_conjugate(beyond: &mut [bool], size: [u32; 2], degeneracy: &[f32]) {
+pub(super) fn add_conjugate(excess: &mut [f32], size: [u32; 2], degeneracy: &[f32]) {
     let signs = degeneracy
         .iter()
         .enumerate()
         .filter(|(_, it)| **it != 0.0 && it.is_finite());
     let nearest = signs.min_by(|(a, _), (b, _)| reach(size, *a).total_cmp(&reach(size, *b)));
     let Some((_, first)) = nearest else { return };
-    for (beyond, degeneracy) in beyond.iter_mut().zip(degeneracy) {
-        *beyond |= degeneracy * first < 0.0;
+    for (excess, degeneracy) in excess.iter_mut().zip(degeneracy) {
+        if degeneracy * first < 0.0 {
+            *excess = f32::INFINITY;
+        }
     }
 }
 
-/// Draws the border of the pixels that lie beyond the cut locus; gives the share of those that show the surface.
+/// Draws the border of the pixels that lie beyond the cut locus; gives the share of those that show the surface. `excess` is
+/// the number of pixels by which another way to a pixel's end is shorter, or 0.
 pub(super) fn draw(
     image: &mut RgbaImage,
     status: &[Status],
-    beyond: &[bool],
+    excess: &[f32],
     ink: ([u8; 3], f32),
 ) -> f64 {
     let size = [image.width(), image.height()];
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
-    let flags: Vec<f32> = beyond
+    let flags: Vec<f32> = excess
         .iter()
-        .map(|flag| f32::from(u8::from(*flag)))
+        .map(|excess| f32::from(u8::from(*excess > THRESHOLD)))
         .collect();
     let mut found: Vec<f32> = mean_around(size, &flags)
         .into_iter()
@@ -133,19 +140,34 @@ pub(super) fn draw(
         a.total_cmp(&b)
     });
     let width = size[0] as usize;
-    for index in order {
-        let index = index as usize;
+    // The pixel so many pixels farther from the centre; `None` for pixels near it.
+    let farther = |index: usize, by: f64| {
         let place = place_of(size, index);
         let from_centre = [0, 1].map(|k| f64::from(place[k]) + 0.5 - 0.5 * f64::from(size[k]));
         let distance = from_centre[0].hypot(from_centre[1]);
-        if found[index] > 0.0 || distance < NEAR {
-            continue;
-        }
-        let nearer = [0, 1].map(|k| {
-            let back = from_centre[k] * (1.0 - 1.5 / distance);
-            ((back + 0.5 * f64::from(size[k])).max(0.0) as usize).min(size[k] as usize - 1)
+        let [x, y] = [0, 1].map(|k| {
+            let there = from_centre[k] * (1.0 + by / distance);
+            ((there + 0.5 * f64::from(size[k])).max(0.0) as usize).min(size[k] as usize - 1)
         });
-        found[index] = found[nearer[1] * width + nearer[0]];
+        (distance >= NEAR).then_some(y * width + x)
+    };
+    for &index in &order {
+        let index = index as usize;
+        if let Some(nearer) = farther(index, -1.5)
+            && found[index] == 0.0
+        {
+            found[index] = found[nearer];
+        }
+    }
+    // The excess vanishes on the cut locus itself, and grows slowly where the ways meet at a small angle.
+    for &index in order.iter().rev() {
+        let index = index as usize;
+        if let Some(farther) = farther(index, 1.5)
+            && excess[index] > 0.0
+            && found[index] == 0.0
+        {
+            found[index] = found[farther];
+        }
     }
     let smooth = mean_around(size, &found);
     stroke(image, ink, |index| {
@@ -198,14 +220,14 @@ fn chart_cells(map: &Map, axis: usize, [low, high]: [f64; 2]) -> usize {
     (fitting as usize).clamp(1, cell_count(map.size))
 }
 
-/// Returns for each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
-/// point of the surface, given by its chart.
+/// Returns for each pixel by how many pixels a shorter geodesic from the camera leads to its point of the surface, given by
+/// its chart: beyond the cut locus there is one; elsewhere the number is 0.
 ///
 /// Two pixels that end at one point are two ways to it, and their distances from the picture's centre are the lengths of
 /// these ways. Comparing all pairs would take the square of the number of pixels. Instead each cell of a grid over the
 /// chart keeps the nearest pixel that ends in it, and a pixel is compared with those of its own and the eight cells
 /// around: no other can be nearer by as much as a picture shows.
-pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) -> Vec<bool> {
+pub(super) fn excess_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) -> Vec<f32> {
     let size = map.size;
     let entry = |index: usize| -> Option<PixelEnd<2>> {
         if map.status[index] != Status::Complete || map.by_pixel.is_empty() {
@@ -259,19 +281,19 @@ pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
     entries
         .par_iter()
         .map(|entry| {
-            let Some(entry) = entry else { return false };
+            let Some(entry) = entry else { return 0.0 };
             // Close to the camera there is one way to each point.
             if entry.distance < NEAR {
-                return false;
+                return 0.0;
             }
             let [i, j] = cell(entry.at);
             let around = (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj)));
-            around.into_iter().any(|(di, dj)| {
+            let excesses = around.into_iter().map(|(di, dj)| {
                 let (Some(i), Some(j)) = (neighbour(0, i, di), neighbour(1, j, dj)) else {
-                    return false;
+                    return 0.0;
                 };
                 let Some(kept) = table[j * cells[0] + i].and_then(at) else {
-                    return false;
+                    return 0.0;
                 };
                 // The two ends share a cell, not a point: the step between them is taken the short way round.
                 let step: [f64; 2] = std::array::from_fn(|k| {
@@ -282,16 +304,17 @@ pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
                         d
                     }
                 });
-                entry.lies_beyond(kept, step)
-            })
+                entry.excess_over(kept, step)
+            });
+            excesses.fold(0.0, f32::max)
         })
         .collect()
 }
 
-/// Returns for each pixel whether it lies beyond the cut locus of a solid's surface, as [`beyond_in_chart`] does of a
+/// Returns for each pixel whether it lies beyond the cut locus of a solid's surface, as [`excess_in_chart`] does of a
 /// surface with parameters. `normals` has the unit normal at each pixel's end: sheets that lie close together have
 /// others, or lie to each other's sides.
-pub(super) fn beyond_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<bool> {
+pub(super) fn excess_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<f32> {
     let size = map.size;
     let entry = |index: usize| -> Option<(PixelEnd<3>, DVec3)> {
         let normal = normals[index]?;
@@ -304,7 +327,7 @@ pub(super) fn beyond_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<bo
         (0..map.status.len()).into_par_iter().map(entry).collect();
     let ends = || entries.iter().flatten().map(|(end, _)| DVec3::from(end.at));
     let Some(low) = ends().reduce(DVec3::min) else {
-        return vec![false; map.status.len()];
+        return vec![0.0; map.status.len()];
     };
     let extent = ends()
         .reduce(DVec3::max)
@@ -327,26 +350,31 @@ pub(super) fn beyond_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<bo
         .par_iter()
         .map(|entry| {
             let Some((end, normal)) = entry else {
-                return false;
+                return 0.0;
             };
             if end.distance < NEAR {
-                return false;
+                return 0.0;
             }
             let here = cell(end.at);
             let around = (0..27).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]);
-            around.into_iter().any(|by: [i64; 3]| {
+            let excesses = around.into_iter().map(|by: [i64; 3]| {
                 let beside = [0, 1, 2].map(|k| here[k] + by[k]);
                 let kept = table
                     .get(&beside)
                     .and_then(|&k| entries[k as usize].as_ref());
                 let Some((kept, other)) = kept else {
-                    return false;
+                    return 0.0;
                 };
                 let step = DVec3::from(end.at) - DVec3::from(kept.at);
                 let is_same_sheet =
                     normal.dot(*other) > 0.0 && step.dot(*other).abs() <= STEEP * step.length();
-                is_same_sheet && end.lies_beyond(kept, step.to_array())
-            })
+                if is_same_sheet {
+                    end.excess_over(kept, step.to_array())
+                } else {
+                    0.0
+                }
+            });
+            excesses.fold(0.0, f32::max)
         })
         .collect()
 }

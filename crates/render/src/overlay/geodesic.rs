@@ -200,7 +200,7 @@ impl Annotations<'_> {
             zoom,
             status,
             errors,
-            beyond,
+            excess,
             degeneracy,
         } = measured;
         let (mut notes, mut drawn) = (Vec::new(), Vec::new());
@@ -229,7 +229,7 @@ impl Annotations<'_> {
         }
         if overlays.cut_locus {
             drawn.push("cut locus");
-            let share = cut_locus::draw(image, status, beyond, (inks.cut, request.scale));
+            let share = cut_locus::draw(image, status, excess, (inks.cut, request.scale));
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share

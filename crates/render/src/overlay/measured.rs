@@ -24,8 +24,8 @@ pub(super) struct MeasuredEnds<'a> {
     pub(super) status: Cow<'a, [Status]>,
     /// The estimated errors, for [`lines::error`].
     pub(super) errors: Option<Vec<f32>>,
-    /// True for each pixel that lies beyond the cut locus; empty where that is not selected.
-    pub(super) beyond: Vec<bool>,
+    /// The number of pixels by which another way to a pixel's end is shorter, or 0; empty where the cut locus is not selected.
+    pub(super) excess: Vec<f32>,
     /// The function that is 0 at conjugate points; empty where neither they nor the cut locus are selected.
     pub(super) degeneracy: Vec<f32>,
 }
@@ -50,13 +50,13 @@ impl<'a> MeasuredEnds<'a> {
             (None, None) => Cow::Borrowed(&[]),
         };
         let domain = camera.domain();
-        let beyond = map.filter(|_| overlays.cut_locus);
-        let beyond = beyond.map(|map| cut_locus::beyond_in_chart(map, domain, camera.sides()));
-        let mut beyond = beyond.unwrap_or_default();
+        let cut = map.filter(|_| overlays.cut_locus);
+        let excess = cut.map(|map| cut_locus::excess_in_chart(map, domain, camera.sides()));
+        let mut excess = excess.unwrap_or_default();
         let degeneracy =
             map.map(|map| lines::degeneracy_in_chart(map, camera.manifold().surface()));
         if let (Some(map), Some(degeneracy)) = (map, &degeneracy) {
-            cut_locus::add_conjugate(&mut beyond, map.size, degeneracy);
+            cut_locus::add_conjugate(&mut excess, map.size, degeneracy);
         }
         let errors = overlays.error.then(|| camera.errors(lines::STEP));
         Self {
@@ -64,7 +64,7 @@ impl<'a> MeasuredEnds<'a> {
             zoom: camera.zoom,
             status,
             errors: errors.flatten(),
-            beyond,
+            excess,
             degeneracy: degeneracy.unwrap_or_default(),
         }
     }
@@ -75,13 +75,13 @@ impl<'a> MeasuredEnds<'a> {
         camera: &PlacedSolidCamera,
         map: &'a Map<3>,
     ) -> Self {
-        let (mut beyond, mut degeneracy) = (Vec::new(), Vec::new());
+        let (mut excess, mut degeneracy) = (Vec::new(), Vec::new());
         if overlays.cut_locus || overlays.conjugate_points {
             let normals = normals(camera, map);
             degeneracy = lines::degeneracy_in_space(map, &normals);
             if overlays.cut_locus {
-                beyond = cut_locus::beyond_in_space(map, &normals);
-                cut_locus::add_conjugate(&mut beyond, map.size, &degeneracy);
+                excess = cut_locus::excess_in_space(map, &normals);
+                cut_locus::add_conjugate(&mut excess, map.size, &degeneracy);
             }
         }
         let errors = overlays.error.then(|| camera.errors(lines::STEP));
@@ -90,7 +90,7 @@ impl<'a> MeasuredEnds<'a> {
             zoom: camera.frame.zoom(),
             status: Cow::Borrowed(&map.status),
             errors: errors.flatten(),
-            beyond,
+            excess,
             degeneracy,
         }
     }
