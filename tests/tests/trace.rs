@@ -551,6 +551,17 @@ fn a_line_on_which_a_parameter_stands_still_is_named() {
     run.expect_status(0)
         .expect_text("σu is 0 on the line u ≈ 0;")
         .expect_text("another parametrisation leads across");
+    // The pole of a sphere inside of the domain, of which the first parameter goes around.
+    let program =
+        "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [0, 2pi], v : [-pi, pi];
+        metric m(u, v) = (cos(v)^2, 0, 1), u : [0, 2pi], v : [-pi, pi];";
+    for name in ["s", "m"] {
+        let arguments =
+            format!("trace - --surface {name} --from 1,0.7 --direction 1e-6,1 --length 2");
+        let run = geotrace(arguments.split(' ')).input(program).run();
+        run.expect_status(0)
+            .expect_text("σu is 0 on the line v ≈ 1.5707963");
+    }
 }
 
 #[test]

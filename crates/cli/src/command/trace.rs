@@ -374,22 +374,38 @@ fn used_up() -> &'static str {
 
 /// σu or σv is taken for zero where the length of its coordinate line is this share of the other's.
 const VANISHING: f64 = 1e-3;
+/// The line along which it is zero is looked for at this share of the domain from a point of it.
+const ALONG_LINE: f64 = 0.1;
 
 /// The reason why σu and σv span no plane at the end of a trace, and what helps where one of them is zero.
 fn lost_rank(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
-    let jet = surface.jet(uv);
     let domain = surface.domain();
     // The lengths of coordinate lines, which do not depend on the parameters' units.
-    let lengths = [(jet.du, domain[0]), (jet.dv, domain[1])].map(|(tangent, [low, high])| {
-        let largest = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        largest * (high - low)
-    });
-    let (axis, tangent) = if lengths[0] < VANISHING * lengths[1] {
-        (0, "σu")
-    } else if lengths[1] < VANISHING * lengths[0] {
-        (1, "σv")
-    } else {
+    let lengths = |uv: Uv| {
+        let jet = surface.jet(uv);
+        [(jet.du, domain[0]), (jet.dv, domain[1])].map(|(tangent, [low, high])| {
+            let largest = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            largest * (high - low)
+        })
+    };
+    let vanishes = |lengths: [f64; 2], k: usize| lengths[k] < VANISHING * lengths[1 - k];
+    let here = lengths(uv);
+    let Some(zero) = (0..2).find(|&k| vanishes(here, k)) else {
         return "σu and σv are parallel there".into();
+    };
+    let tangent = ["σu", "σv"][zero];
+    // On a line of constant u or of constant v: it is still zero a part of the way along it.
+    let is_line = |axis: usize| {
+        let [low, high] = domain[1 - axis];
+        let way = ALONG_LINE * (high - low);
+        [-way, way].into_iter().any(|way| {
+            let mut beside = uv;
+            beside[1 - axis] += way;
+            (low..=high).contains(&beside[1 - axis]) && vanishes(lengths(beside), zero)
+        })
+    };
+    let Some(axis) = [zero, 1 - zero].into_iter().find(|&axis| is_line(axis)) else {
+        return format!("{tangent} is 0 there");
     };
     let name = &shape.parameters()[axis];
     // The geodesic ends just before the line.
