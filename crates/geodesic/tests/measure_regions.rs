@@ -124,6 +124,38 @@ fn errors_of_areas_and_of_curvatures_scale_on_their_own() {
 }
 
 #[test]
+fn a_triangle_around_a_tip_may_have_an_angle_of_more_than_half_a_turn() {
+    let cone = cone(3.0);
+    let found = triangle(&cone, [[3.76, 1.03], [1.01, 0.82], [5.10, 0.37]]);
+    let region = gauss_bonnet("cone", &found);
+    near(
+        "∫K",
+        region.curvature,
+        TAU - TAU / 10.0_f64.sqrt(),
+        region.curvature_error,
+    );
+    assert!(found.angles[2].expect("an angle") > PI, "{found:?}");
+    // A football: a sphere of which 0.6 of a turn remains.
+    let football = metric([[0.0, PI], [0.0, TAU]], |m| {
+        let (one, zero) = (m.c(1.0), m.c(0.0));
+        let sin = m.f(expr::ops::Unary::Sin, m.u);
+        let radius = m.scale(0.6, sin);
+        [one, zero, m.mul(radius, radius)]
+    });
+    let mut random = Random(11);
+    let mut reflex = 0;
+    for n in 0..40 {
+        let mut place = || [random.between(0.1, 3.0), random.between(0.0, TAU)];
+        let found = triangle(&football, [place(), place(), place()]);
+        if found.region.is_ok() {
+            gauss_bonnet(&format!("football {n}"), &found);
+            reflex += u32::from(found.angles.iter().flatten().any(|angle| *angle > PI));
+        }
+    }
+    assert!(reflex > 2, "{reflex}");
+}
+
+#[test]
 fn the_tip_of_a_cone_adds_its_deficit() {
     let cone = cone(1.0);
     let deficit = TAU - TAU / 2.0_f64.sqrt();

@@ -24,7 +24,8 @@ use crate::surface::Surface;
 pub struct Triangle {
     /// The sides, the k-th opposite the k-th corner; `None` where no geodesic was found.
     pub sides: [Option<Connection>; 3],
-    /// The angles at the corners, in radians; `None` where a side is missing.
+    /// The angles at the corners, in radians: those of the region inside, which may be larger than π where it contains the tip
+    /// of a cone; without a region the smaller ones. `None` where a side is missing.
     pub angles: [Option<f64>; 3],
     /// The region inside.
     pub region: Result<TriangleRegion, NoRegion>,
@@ -144,7 +145,7 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
         let turn = (one? - other?) / TAU;
         Some(((turn - turn.round()) * TAU).abs())
     };
-    let angles = [
+    let mut angles = [
         between(leaving(&ab), leaving(&ac)),
         between(arriving(1, &ab), leaving(&bc)),
         between(arriving(2, &ac), arriving(2, &bc)),
@@ -163,7 +164,12 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
                 SidePath::new(&sources[1], &bc, false),
                 SidePath::new(&sources[0], &ac, true),
             ];
-            region(surface, &sources[0], &targets[0], &sides)
+            region(surface, &sources[0], &targets[0], &sides).map(|(region, inside)| {
+                if let Some(inside) = inside {
+                    angles = inside.map(Some);
+                }
+                region
+            })
         }
     };
     Ok(Triangle {
@@ -204,27 +210,31 @@ impl<'a, 's> SidePath<'a, 's> {
 }
 
 /// The sums of a sweep along a side.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Sweep {
     /// Area, curvature, angle.
     values: [f64; 3],
     errors: [f64; 3],
     /// The ray to the side's end.
-    last: Option<PolarVector>,
+    last: PolarVector,
+    /// The components of the side's direction along and across the rays to its start and to its end.
+    directions: [[f64; 2]; 2],
 }
 
+/// Returns the region, and its angles at the corners where they need not be the smaller ones.
 fn region(
     surface: &dyn Surface,
     corner: &RaySource<'_>,
     first: &AimedPlace<'_>,
     sides: &[SidePath<'_, '_>; 3],
-) -> Result<TriangleRegion, NoRegion> {
+) -> Result<(TriangleRegion, Option<[f64; 3]>), NoRegion> {
     let [ab, bc, ca] = sides;
     for (axis, end) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
         if let Some(tip) = RaySource::tip(surface, axis, end)
-            && let Some(found) = around_tip(surface, &tip, (axis, end), corner, first, sides)
+            && let Some((found, angles)) =
+                around_tip(surface, &tip, (axis, end), corner, first, sides)
         {
-            return Ok(found);
+            return Ok((found, Some(angles)));
         }
     }
     let start = PolarVector {
@@ -235,20 +245,13 @@ fn region(
     let turn = (ca.side.angle - ab.side.angle) / TAU;
     let expected = (turn - turn.round()) * TAU;
     let [area, curvature, angle] = swept.values;
-    let reached = swept
-        .last
-        .is_some_and(|last| (last.length - ca.side.length).abs() <= SAME_ANGLE * ca.side.length);
+    let reached = (swept.last.length - ca.side.length).abs() <= SAME_ANGLE * ca.side.length;
     // (A flat triangle's area is zero, and either side of it will do.)
     if !reached || (angle - expected).abs() > SAME_ANGLE {
         return Err(NoRegion::NotSwept);
     }
-    Ok(measured(
-        [area, curvature],
-        &swept.errors,
-        angle.signum(),
-        sides,
-        0.0,
-    ))
+    let found = measured([area, curvature], &swept.errors, angle.signum(), sides, 0.0);
+    Ok((found, None))
 }
 
 fn measured(
@@ -270,7 +273,8 @@ fn measured(
     }
 }
 
-/// Returns the region about the tip of a cone, if the triangle encloses it once: all three sides as seen from the tip.
+/// Returns the region about the tip of a cone and its angles at the corners, if the triangle encloses it once: all three sides
+/// as seen from the tip.
 fn around_tip(
     surface: &dyn Surface,
     tip: &RaySource<'_>,
@@ -278,7 +282,7 @@ fn around_tip(
     corner: &RaySource<'_>,
     first: &AimedPlace<'_>,
     sides: &[SidePath<'_, '_>; 3],
-) -> Option<TriangleRegion> {
+) -> Option<(TriangleRegion, [f64; 3])> {
     let mut place = first.uv;
     place[axis] = surface.domain()[axis][end];
     let target = AimedPlace::new(surface, place).ok()?;
@@ -296,9 +300,11 @@ fn around_tip(
     };
     let mut at = shoot::hit(tip, first, guess)?.at;
     let (mut values, mut errors) = ([0.0; 3], [0.0; 3]);
+    let mut directions = Vec::new();
     for side in sides {
         let swept = sweep(tip, side, at)?;
-        at = swept.last?;
+        at = swept.last;
+        directions.push(swept.directions);
         for k in 0..3 {
             values[k] += swept.values[k];
             errors[k] += swept.errors[k];
@@ -308,7 +314,15 @@ fn around_tip(
     let inside = (angle.abs() - tip.turn()).abs() <= SAME_ANGLE;
     inside.then(|| {
         let deficit = TAU - tip.turn();
-        measured([area, curvature], &errors, angle.signum(), sides, deficit)
+        let sign = angle.signum();
+        let found = measured([area, curvature], &errors, sign, sides, deficit);
+        // At each corner, from the side that arrives over the way to the tip to the side that leaves.
+        let angles = std::array::from_fn(|k| {
+            let [_, [along, across]] = directions[(k + 2) % 3];
+            let [[away, aside], _] = directions[k];
+            (sign * across).atan2(along) + (sign * aside).atan2(-away)
+        });
+        (found, angles)
     })
 }
 
@@ -319,6 +333,8 @@ struct KnownRay {
     at: PolarVector,
     /// The derivatives by t.
     rate: PolarVector,
+    /// The components of the side's direction along and across the ray.
+    direction: [f64; 2],
 }
 
 /// Sweeps the rays from a source along a side, beginning with the ray to its start. `None` where a ray is not found, or
@@ -350,6 +366,7 @@ fn sweep(source: &RaySource<'_>, side: &SidePath<'_, '_>, start: PolarVector) ->
             t,
             at: hit.at,
             rate,
+            direction: [along, across],
         });
         let [_, slope] = trace.jacobi;
         let area = integral(&trace.jacobi_knots);
@@ -376,10 +393,12 @@ fn sweep(source: &RaySource<'_>, side: &SidePath<'_, '_>, start: PolarVector) ->
     let breaks = [0.0, 0.5 * length, length];
     let mut function = |t: f64| look(t).ok_or(());
     let found = quadrature::integrate(&breaks, TOLERANCE, MOST, &mut function).ok()?;
-    let last = known.iter().max_by(|a, b| a.t.total_cmp(&b.t));
+    let order = |a: &&KnownRay, b: &&KnownRay| a.t.total_cmp(&b.t);
+    let (start, end) = (known.iter().min_by(order)?, known.iter().max_by(order)?);
     Some(Sweep {
         values: found.values,
         errors: found.errors,
-        last: last.map(|last| last.at),
+        last: end.at,
+        directions: [start.direction, end.direction],
     })
 }
