@@ -79,6 +79,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.sign();
         while let Some(operator) = binary_operator(self.current.kind)
             && operator.level() >= least
+            && !self.closes_modifiers()
         {
             self.check_continued_line();
             let span = self.current.span;
@@ -91,6 +92,13 @@ impl<A: Actions> Parser<'_, '_, A> {
             }
             self.step(ParseStep::Binary(operator, span), start);
         }
+    }
+
+    /// Returns true if the current token is a `>` that compares with nothing, and so closes the modifiers that are being read.
+    fn closes_modifiers(&self) -> bool {
+        self.at(TokenKind::Greater)
+            && self.modifiers.is_some()
+            && !self.lexer.peek().begins_expression()
     }
 
     /// `Sign = "+" Sign | "-" Sign | "!" Sign | Post`
