@@ -104,6 +104,10 @@ pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 pub const PASS_RESOLVE_PIECEWISE: Piece<'static> = piece!("pass/resolve_piecewise.wgsl");
 /// The pass of traced pictures.
 pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");
+/// The tables of its scene.
+pub const PASS_TRACE_TABLES: Piece<'static> = piece!("pass/trace_tables.wgsl");
+/// Its part that finds crossings.
+pub const PASS_TRACE_CROSSINGS: Piece<'static> = piece!("pass/trace_crossings.wgsl");
 /// Its part for faces whose attributes are expressions.
 pub const PASS_TRACE_VARIED: Piece<'static> = piece!("pass/trace_varied.wgsl");
 /// Its part for pieces bounded by fields.

@@ -133,12 +133,12 @@ pub fn trace_scene(functions: &str) -> Result<Joined, InternalError> {
         origin: "generated",
         text: functions,
     };
-    let (scene, varied, fields) = (
-        library::PASS_TRACE_SCENE,
+    let (tables, varied, fields) = (
+        library::PASS_TRACE_TABLES,
         library::PASS_TRACE_VARIED,
         library::PASS_TRACE_FIELDS,
     );
-    contract::fulfils(&scene, &library::CONTRACT_UNIFORMS)?;
+    contract::fulfils(&tables, &library::CONTRACT_UNIFORMS)?;
     contract::fulfils(&varied, &library::CONTRACT_VARIED)?;
     contract::fulfils(&varied, &library::CONTRACT_STORED)?;
     contract::fulfils(&fields, &library::CONTRACT_SEARCHED)?;
@@ -156,7 +156,11 @@ pub fn trace_scene(functions: &str) -> Result<Joined, InternalError> {
         contract::is_exactly(&generated, &asked)?;
         pieces.extend([library::RANGE, generated]);
     }
-    pieces.push(scene);
+    pieces.extend([
+        tables,
+        library::PASS_TRACE_CROSSINGS,
+        library::PASS_TRACE_SCENE,
+    ]);
     join(&pieces)
 }
 

@@ -427,7 +427,7 @@ fn samples_add_up_to_the_picture_that_has_them_at_once() {
 
 #[test]
 fn the_shader_has_the_limits_of_the_tables() {
-    let text = wgsl::library::PASS_TRACE_SCENE.text;
+    let text = wgsl::library::PASS_TRACE_CROSSINGS.text;
     let nodes = format!("const MOST_NODES: u32 = {}u;", tracer::tables::MOST_NODES);
     assert!(text.contains(&nodes), "{nodes}");
     let line = wgsl::library::LINE.text;

@@ -193,7 +193,7 @@ pub(crate) struct Lens {
     pub(crate) grid: u32,
 }
 
-/// `Trace` of pass/trace_scene.wgsl.
+/// `Trace` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Trace {
@@ -216,7 +216,7 @@ pub(crate) struct Trace {
     pub(crate) one: u32,
 }
 
-/// `BoxNode` of pass/trace_scene.wgsl.
+/// `BoxNode` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct BoxNode {
@@ -226,7 +226,7 @@ pub(crate) struct BoxNode {
     pub(crate) count: u32,
 }
 
-/// `Component` of pass/trace_scene.wgsl.
+/// `Component` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Component {
@@ -240,7 +240,7 @@ pub(crate) struct Component {
     pub(crate) depth: f32,
 }
 
-/// `Leaf` of pass/trace_scene.wgsl.
+/// `Leaf` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Leaf {
@@ -258,7 +258,7 @@ pub(crate) struct Leaf {
     pub(crate) padding: [u32; 2],
 }
 
-/// `Piece` of pass/trace_scene.wgsl.
+/// `Piece` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LeafPiece {
@@ -274,7 +274,7 @@ pub(crate) struct LeafPiece {
     pub(crate) terms: u32,
 }
 
-/// `Material` of pass/trace_scene.wgsl.
+/// `Material` of pass/trace_tables.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct FaceMaterial {
