@@ -36,7 +36,7 @@ pub struct Subject {
     /// The scene.
     pub scene: Arc<Scene>,
     /// The params' values.
-    pub settings: Arc<ParamValues>,
+    pub param_values: Arc<ParamValues>,
     /// The surface, metric or solid.
     pub surface: ObjectId,
 }
@@ -127,7 +127,7 @@ impl CameraController {
             // A remembered camera is where the user left it.
             None => SubjectChange::Values,
             Some(before) if !before.is_of_scene(subject) => SubjectChange::Scene,
-            Some(before) if before.settings != subject.settings => SubjectChange::Values,
+            Some(before) if before.param_values != subject.param_values => SubjectChange::Values,
             Some(_) => return SubjectChange::None,
         };
         let ground = subject.ground();
@@ -158,7 +158,7 @@ impl Subject {
 
     /// Returns whether both are the same surface with the same params' values.
     pub fn is_same(&self, other: &Self) -> bool {
-        self.is_of_scene(other) && self.settings == other.settings
+        self.is_of_scene(other) && self.param_values == other.param_values
     }
 
     /// Returns the names of its parameters in the notation of a point: "(u, v)".
@@ -174,14 +174,14 @@ impl Subject {
     pub fn manifold(&self) -> Result<Manifold, ManifoldError> {
         let object = self.scene.get(self.surface);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
-        let uniforms = self.settings.first_instance(&self.scene, object);
+        let uniforms = self.param_values.first_instance(&self.scene, object);
         Manifold::new(&self.scene, self.surface, &uniforms)
     }
 
     /// Returns the surface, metric or solid, ready for geodesics.
     pub(crate) fn ground(&self) -> Result<Ground, ManifoldError> {
         if self.scene.is_solid(self.surface) {
-            let solid = SolidSurface::new(&self.scene, &self.settings, self.surface)?;
+            let solid = SolidSurface::new(&self.scene, &self.param_values, self.surface)?;
             return Ok(Ground::Solid(Arc::new(solid)));
         }
         Ok(Ground::Manifold(Arc::new(self.manifold()?)))
@@ -220,7 +220,7 @@ impl Ground {
         let wanted = GeodesicCamera { zoom, ..camera };
         match self {
             Self::Manifold(manifold) => {
-                let (scene, params) = (&subject.scene, &subject.settings);
+                let (scene, params) = (&subject.scene, &subject.param_values);
                 let known = |_, _: &[f64]| Ok(Arc::clone(manifold));
                 let placed = PlacedCamera::on(scene, params, &wanted, SIZE, known)?;
                 let camera = ChartCamera::of(&placed.frame, placed.zoom, moved);
@@ -379,7 +379,7 @@ mod tests {
     fn subject(text: &str) -> Subject {
         let scene = scene::geotrace::compile(text).scene.expect("no errors");
         Subject {
-            settings: Arc::new(ParamValues::initial(&scene)),
+            param_values: Arc::new(ParamValues::initial(&scene)),
             scene: Arc::new(scene),
             surface: ObjectId::new(0),
         }
@@ -387,12 +387,12 @@ mod tests {
 
     /// The same surface with another radius.
     fn with_radius(subject: &Subject, radius: f64) -> Subject {
-        let mut settings = (*subject.settings).clone();
-        settings
+        let mut param_values = (*subject.param_values).clone();
+        param_values
             .set(&subject.scene, "r", &[radius])
             .expect("in range");
         Subject {
-            settings: Arc::new(settings),
+            param_values: Arc::new(param_values),
             ..subject.clone()
         }
     }

@@ -158,7 +158,7 @@ impl<'a> ClickedObject<'a> {
     pub fn subject(&self) -> Subject {
         Subject {
             scene: Arc::clone(self.request.scene.arc()),
-            settings: Arc::clone(&self.request.params),
+            param_values: Arc::clone(&self.request.params),
             surface: self.hit.object,
         }
     }

@@ -51,7 +51,7 @@ pub(super) type Trails = BTreeMap<String, Option<EndedTrail>>;
 #[derive(Clone, Debug)]
 pub(super) struct EndedTrail {
     pub(super) path: Arc<CameraPath>,
-    pub(super) settings: Arc<ParamValues>,
+    pub(super) param_values: Arc<ParamValues>,
 }
 
 /// The maximum number of steps that are remembered.

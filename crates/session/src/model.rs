@@ -85,7 +85,7 @@ pub struct Model {
     /// The lines of the measured figure, with its surface's name.
     pub measured: Option<(String, Vec<Arc<Trail>>)>,
     controllers: BTreeMap<String, CameraController>,
-    settings: Option<Arc<ParamValues>>,
+    param_values: Option<Arc<ParamValues>>,
     /// A geodesic camera's new position that may still be withdrawn.
     placing: Option<Placement>,
 }
@@ -98,7 +98,7 @@ impl Model {
         self.paths.clear();
         self.measured = None;
         self.choices = choices;
-        self.take_settings();
+        self.take_param_values();
     }
 
     /// Drops the program that is shown, with its scene.
@@ -149,16 +149,16 @@ impl Model {
         self.history.note_scene();
         self.scene = Some(scene);
         self.renumber_paths();
-        self.take_settings();
+        self.take_param_values();
     }
 
     /// Takes over other values of the params, with the scene that they make where they change more than numbers.
-    fn take_settings(&mut self) {
-        self.settings = None;
+    fn take_param_values(&mut self) {
+        self.param_values = None;
         let Some(scene) = self.scene.clone().filter(|scene| scene.rerun.is_some()) else {
             return;
         };
-        if let Some(made) = self.settings().and_then(|it| scene.made_anew(&it)) {
+        if let Some(made) = self.param_values().and_then(|it| scene.made_anew(&it)) {
             self.scene = Some(made);
             self.renumber_paths();
         }
@@ -250,7 +250,7 @@ impl Model {
     /// Changes the choices without a step: for an animation, or a worker's result.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut Choices)) {
         edit(&mut self.choices);
-        self.take_settings();
+        self.take_param_values();
         if let Some(scene) = self.scene.clone() {
             self.note_openings(&scene);
         }
@@ -282,17 +282,18 @@ impl Model {
         step: impl FnOnce(&mut History, &mut Choices, &mut ExchangeTrails<'_>) -> Option<&'static str>,
     ) -> Option<&'static str> {
         self.keep_placement();
-        let settings = self.settings();
+        let param_values = self.param_values();
         let paths = &mut self.paths;
         let mut exchange = |surface: &str, trail: Option<EndedTrail>| {
             let present = paths.remove(surface);
             // With other params' values, the path would not be a geodesic path on the surface.
-            if let Some(trail) = trail.filter(|it| Some(&it.settings) == settings.as_ref()) {
+            if let Some(trail) = trail.filter(|it| Some(&it.param_values) == param_values.as_ref())
+            {
                 paths.insert(surface.to_owned(), trail.path);
             }
             Some(EndedTrail {
                 path: present?,
-                settings: settings.clone()?,
+                param_values: param_values.clone()?,
             })
         };
         let title = step(&mut self.history, &mut self.choices, &mut exchange)?;
@@ -303,14 +304,14 @@ impl Model {
     /// Returns the current values of the declarations that depend on params, with their names, in the order of the
     /// text: `= 0.25`. Params are not among them. For a program in another process the list is empty.
     pub fn derived_values(&mut self) -> Vec<(String, String)> {
-        let (Some(scene), Some(settings)) = (self.scene.clone(), self.settings()) else {
+        let (Some(scene), Some(param_values)) = (self.scene.clone(), self.param_values()) else {
             return Vec::new();
         };
         let Some(analysis) = &self.analysis else {
             return Vec::new();
         };
         let params = scene.params.iter();
-        let values = params.map(|param| (param.name.clone(), settings.param(param).to_vec()));
+        let values = params.map(|param| (param.name.clone(), param_values.param(param).to_vec()));
         let values: BTreeMap<String, Vec<f64>> = values.collect();
         let whole = Span::new(0, self.text.len() as u32);
         let hints = analysis.preview_values(whole, &values).into_iter();
@@ -325,27 +326,27 @@ impl Model {
     }
 
     /// Returns the params' values for the scene: the chosen ones, clamped to their intervals.
-    pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
+    pub fn param_values(&mut self) -> Option<Arc<ParamValues>> {
         let scene = self.scene.as_ref()?;
         let choices = &self.choices;
-        let settings = self.settings.get_or_insert_with(|| {
-            let mut settings = ParamValues::initial(scene);
+        let param_values = self.param_values.get_or_insert_with(|| {
+            let mut param_values = ParamValues::initial(scene);
             for param in &scene.params {
                 let Some(values) = choices.params.get(&param.name) else {
                     continue;
                 };
-                let mut all = settings.param(param).to_vec();
+                let mut all = param_values.param(param).to_vec();
                 for ((value, chosen), range) in all.iter_mut().zip(values).zip(&param.ranges) {
                     if let Some(chosen) = chosen.filter(|it| it.is_finite()) {
                         *value = chosen.clamp(range.min, range.max);
                     }
                 }
                 // Within their intervals, values are not refused.
-                let _ = settings.set(scene, &param.name, &all);
+                let _ = param_values.set(scene, &param.name, &all);
             }
-            Arc::new(settings)
+            Arc::new(param_values)
         });
-        Some(Arc::clone(settings))
+        Some(Arc::clone(param_values))
     }
 
     /// Returns the objects of the scene that are hidden in space.
@@ -438,7 +439,7 @@ impl Model {
         let Some(scene) = self.scene.clone() else {
             return false;
         };
-        let Some(settings) = self.settings() else {
+        let Some(param_values) = self.param_values() else {
             return false;
         };
         let mut moved = false;
@@ -447,7 +448,7 @@ impl Model {
                 continue;
             };
             let Animation { on, speed } = animation.clone();
-            let values = settings.param(param).iter().zip(&param.ranges);
+            let values = param_values.param(param).iter().zip(&param.ranges);
             let numbered = values.enumerate().zip(on);
             for ((k, (value, range)), _) in numbered.filter(|(_, on)| *on) {
                 let next = advanced(*value, seconds * speed, range.min, range.max);

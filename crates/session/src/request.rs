@@ -60,7 +60,7 @@ pub fn picture_request(
     }
     let hidden = show_space(model, &scene, &mut view);
     let is_in_space = view.space().is_some();
-    let mut request = PictureRequest::new(&scene, model.settings()?, view, pane.size);
+    let mut request = PictureRequest::new(&scene, model.param_values()?, view, pane.size);
     request.trails = trails(model, &scene, &marks, own, is_in_space);
     request.images = library.named(&scene);
     request.moving = pane.moving;

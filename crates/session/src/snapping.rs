@@ -55,7 +55,7 @@ pub enum Snapping {
 #[derive(Debug)]
 pub struct SnapTargets {
     scene: Shared<Scene>,
-    settings: Arc<ParamValues>,
+    param_values: Arc<ParamValues>,
     declared: Vec<SnapTarget>,
 }
 
@@ -130,11 +130,11 @@ fn snap(
 ) -> Option<Snap> {
     let is_known = known
         .as_ref()
-        .is_some_and(|it| it.scene == request.scene && it.settings == request.params);
+        .is_some_and(|it| it.scene == request.scene && it.param_values == request.params);
     if !is_known {
         *known = Some(SnapTargets {
             scene: request.scene.clone(),
-            settings: request.params.clone(),
+            param_values: request.params.clone(),
             declared: declared(&request.scene, &request.params),
         });
     }

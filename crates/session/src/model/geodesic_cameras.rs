@@ -89,15 +89,15 @@ impl Model {
             return None;
         }
         let path = Arc::clone(path);
-        let settings = self.settings()?;
-        Some(EndedTrail { path, settings })
+        let param_values = self.param_values()?;
+        Some(EndedTrail { path, param_values })
     }
 
     /// Returns a surface, metric or solid with the params' values.
     pub fn subject(&mut self, surface: &str) -> Option<Subject> {
         Some(Subject {
             surface: self.object(surface)?.0,
-            settings: self.settings()?,
+            param_values: self.param_values()?,
             scene: self.scene.clone()?,
         })
     }

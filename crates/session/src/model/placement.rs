@@ -56,9 +56,9 @@ impl Model {
         {
             self.history.settle();
             let replaced = Difference::camera(&surface, before);
-            let settings = self.settings();
-            let trail = path.zip(settings);
-            let trail = trail.map(|(path, settings)| EndedTrail { path, settings });
+            let param_values = self.param_values();
+            let trail = path.zip(param_values);
+            let trail = trail.map(|(path, param_values)| EndedTrail { path, param_values });
             let step = Step::new("Place the geodesic camera", surface.clone());
             self.history
                 .record(step, replaced, [(surface, trail)].into());

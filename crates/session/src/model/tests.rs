@@ -36,9 +36,9 @@ fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
         choices.choose("a", 0, Some(3.0));
     });
     let value = |model: &mut Model| {
-        let settings = model.settings().expect("a scene");
+        let param_values = model.param_values().expect("a scene");
         let scene = model.scene.clone().expect("a scene");
-        settings
+        param_values
             .param(&scene.params[scene.params.len() - 1])
             .to_vec()
     };
@@ -60,8 +60,8 @@ fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
     model.take(compiled("param a = 1 : [0, 4]; point p = (a, 1, 0);"));
     assert_eq!(model.choices.params["a"], [Some(3.0)]);
     model.take(compiled("param a = 2 : [0, 4]; point p = (a, 1, 0);"));
-    let settings = model.settings().expect("a scene");
-    assert_eq!(settings.uniforms(), [2.0]);
+    let param_values = model.param_values().expect("a scene");
+    assert_eq!(param_values.uniforms(), [2.0]);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn a_value_is_known_with_what_the_text_said_when_it_was_chosen() {
         after.turn_to(serde_json::from_str::<Choices>(&text).expect("data").sane());
         assert_eq!(after.choices, before.choices);
         after.take(compiled(file));
-        after.settings().expect("a scene").uniforms().to_vec()
+        after.param_values().expect("a scene").uniforms().to_vec()
     };
     assert_eq!(
         again("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);"),

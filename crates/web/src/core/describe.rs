@@ -79,7 +79,7 @@ impl Core {
     }
 
     fn param_infos(&mut self, scene: &Scene) -> Vec<ParamInfo> {
-        let values = self.model.settings();
+        let values = self.model.param_values();
         let params = scene.params.iter().map(|param| {
             let values = values.as_ref().map_or(&[][..], |all| all.param(param));
             let components = param.ranges.iter().zip(&param.initial).enumerate();

@@ -109,7 +109,7 @@ impl Core {
     /// The sentence that says why it is not written.
     pub(super) fn write_param(&mut self, param: &str) -> Result<Value, String> {
         self.read();
-        let values = self.model.scene.clone().zip(self.model.settings());
+        let values = self.model.scene.clone().zip(self.model.param_values());
         let values = values.and_then(|(scene, settings)| {
             let known = scene.params.iter().find(|it| it.name == param)?;
             Some(settings.param(known).to_vec())

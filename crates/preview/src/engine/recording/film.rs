@@ -112,7 +112,7 @@ impl Film {
         }
         let subject = |surface| Subject {
             scene: Arc::clone(request.scene.arc()),
-            settings: Arc::clone(&request.params),
+            param_values: Arc::clone(&request.params),
             surface,
         };
         let walked = shown.filter(|trail| trail.kind == TrailKind::Walked);
@@ -197,7 +197,7 @@ impl Pictures {
         if let Some((surface, start)) = film.camera {
             let subject = Subject {
                 scene: Arc::clone(request.scene.arc()),
-                settings: Arc::clone(&request.params),
+                param_values: Arc::clone(&request.params),
                 surface,
             };
             let before = self.camera.unwrap_or(start);
@@ -256,7 +256,7 @@ mod tests {
         };
         let subject = Subject {
             scene: scene.clone(),
-            settings: at(1.0),
+            param_values: at(1.0),
             surface,
         };
         let manifold = subject.manifold().expect("a surface");

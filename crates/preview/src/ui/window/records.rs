@@ -38,8 +38,8 @@ impl Records {
 fn count(counters: &mut Counters, model: &mut Model) {
     counters.stale = model.is_stale();
     counters.status = model.status();
-    if let (Some(scene), Some(settings)) = (model.scene.clone(), model.settings()) {
-        let values = |param| settings.param(param).to_vec();
+    if let (Some(scene), Some(param_values)) = (model.scene.clone(), model.param_values()) {
+        let values = |param| param_values.param(param).to_vec();
         let params = scene.params.iter();
         counters.params = params.map(|it| (it.name.clone(), values(it))).collect();
     }

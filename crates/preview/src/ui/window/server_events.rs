@@ -78,7 +78,8 @@ impl Window {
             });
         }
         if !self.text.is_own()
-            && let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
+            && let (Some(scene), Some(settings)) =
+                (self.model.scene.clone(), self.model.param_values())
         {
             let params = scene.params.iter();
             let values: BTreeMap<String, Vec<f64>> = params
@@ -96,7 +97,7 @@ impl Window {
 
     /// Writes a param's value into the text.
     pub(crate) fn write_param(&mut self, name: &str) {
-        let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
+        let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.param_values())
         else {
             return;
         };

@@ -38,7 +38,8 @@ pub(crate) struct DefineValues {
 
 /// Draws the tab.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
-    let (Some(scene), Some(settings)) = (window.model.scene.clone(), window.model.settings())
+    let (Some(scene), Some(param_values)) =
+        (window.model.scene.clone(), window.model.param_values())
     else {
         return;
     };
@@ -48,12 +49,12 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     }
     let columns = Columns::new(ui, &scene.params);
     for param in &scene.params {
-        let values = settings.param(param).to_vec();
+        let values = param_values.param(param).to_vec();
         for (k, value) in values.into_iter().enumerate() {
             row(window, ui, param, k, value, columns);
         }
     }
-    defines(window, ui, settings);
+    defines(window, ui, param_values);
 }
 
 impl Columns {
