@@ -21,7 +21,7 @@ pub struct Choices {
     /// The chosen values of params, by component.
     pub params: BTreeMap<String, Vec<Option<f64>>>,
     /// The declared values of the params that have a chosen value, by component.
-    pub openings: BTreeMap<String, Vec<Opening>>,
+    pub openings: BTreeMap<String, Vec<DeclaredValue>>,
     /// The animated params.
     pub animations: BTreeMap<String, Animation>,
     /// The camera of the views in space; if absent, everything is seen.
@@ -72,7 +72,7 @@ pub enum TextureChoice {
 /// The declared value and interval of a component of a param.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Opening {
+pub struct DeclaredValue {
     /// The initial value: the declared one, or else the minimum.
     pub value: f64,
     /// The minimum.
@@ -81,16 +81,16 @@ pub struct Opening {
     pub max: f64,
 }
 
-impl Opening {
+impl DeclaredValue {
     /// Returns the values of all components of a param.
     pub fn all(param: &Param) -> Vec<Self> {
         let values = param.initial.iter().zip(&param.ranges);
-        let opening = |(value, range): (&f64, &Range)| Self {
+        let declared = |(value, range): (&f64, &Range)| Self {
             value: *value,
             min: range.min,
             max: range.max,
         };
-        values.map(opening).collect()
+        values.map(declared).collect()
     }
 
     /// Returns whether the declared initial value changed. A default that moved only because the interval changed

@@ -57,8 +57,8 @@ pub mod typing;
 
 pub use camera::SpaceCamera;
 pub use choices::{
-    Animation, Choices, Look, MOST_SAMPLES, Marks, Opening, Preferences, SCALES, TextureChoice,
-    Theme, WAVEFRONTS,
+    Animation, Choices, DeclaredValue, Look, MOST_SAMPLES, Marks, Preferences, SCALES,
+    TextureChoice, Theme, WAVEFRONTS,
 };
 pub use faults::ProgramFaults;
 pub use history::{History, Step};

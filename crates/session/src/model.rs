@@ -16,7 +16,7 @@ use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
-use super::choices::{Animation, Choices, Marks, Opening};
+use super::choices::{Animation, Choices, DeclaredValue, Marks};
 use super::difference::Difference;
 use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
@@ -144,7 +144,7 @@ impl Model {
 
     /// Takes over another scene.
     pub fn take_scene(&mut self, scene: Arc<Scene>) {
-        self.heed_openings(&scene);
+        self.follow_declared_values(&scene);
         // A camera that the user has not moved belongs to the old scene.
         self.history.note_scene();
         self.scene = Some(scene);
@@ -165,9 +165,9 @@ impl Model {
     }
 
     /// Resets each param whose declared value has changed to that value: the latest choice wins.
-    fn heed_openings(&mut self, scene: &Scene) {
+    fn follow_declared_values(&mut self, scene: &Scene) {
         for param in &scene.params {
-            let now = Opening::all(param);
+            let now = DeclaredValue::all(param);
             let Some(before) = self.choices.openings.remove(&param.name) else {
                 continue;
             };
@@ -177,11 +177,11 @@ impl Model {
                 self.history.drop_value(&param.name, k);
             }
         }
-        self.note_openings(scene);
+        self.note_declared_values(scene);
     }
 
     /// Stores the declared values of each param that has a chosen value.
-    fn note_openings(&mut self, scene: &Scene) {
+    fn note_declared_values(&mut self, scene: &Scene) {
         let Choices {
             params, openings, ..
         } = &mut self.choices;
@@ -191,7 +191,7 @@ impl Model {
                 continue;
             }
             let param = scene.params.iter().find(|param| param.name == *name);
-            openings.extend(param.map(|param| (name.clone(), Opening::all(param))));
+            openings.extend(param.map(|param| (name.clone(), DeclaredValue::all(param))));
         }
     }
 
@@ -252,7 +252,7 @@ impl Model {
         edit(&mut self.choices);
         self.take_param_values();
         if let Some(scene) = self.scene.clone() {
-            self.note_openings(&scene);
+            self.note_declared_values(&scene);
         }
     }
 
