@@ -10,7 +10,7 @@ use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, stated_radius}
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::{Object, ObjectId, ParamValues, Range, Sampling, Scene};
-use tracer::Ray;
+use tracer::{BoundingBox, Ray};
 
 use crate::closed::{ClosedSurface, glued_sides};
 use crate::placement::Placement;
@@ -69,6 +69,8 @@ pub(crate) struct ObjectCloud {
     pub(crate) counts: [usize; 2],
     /// True for a solid without points because the work for a scene's solids was used up.
     pub(crate) is_omitted: bool,
+    /// True for a solid with a box in which no ray meets it: it may be empty.
+    pub(crate) is_missed: bool,
 }
 
 /// The share of the longest side of a box that is no thickness.
@@ -290,13 +292,20 @@ impl ObjectCloud {
             grid,
             counts,
             is_omitted: false,
+            is_missed: false,
         }
     }
 
     /// Casts rays along the axes into a solid, so many in a row, as long as they take no more operations.
     fn of_solid(rays: &RayScene, in_a_row: usize, operations: u64) -> Self {
+        let bounds = solid_box(rays);
+        let points = match &bounds {
+            Some(bounds) => solid_points(rays, bounds, in_a_row, operations),
+            None => Vec::new(),
+        };
         Self {
-            points: solid_points(rays, in_a_row, operations),
+            is_missed: bounds.is_some() && points.is_empty() && in_a_row == MOST_RAYS,
+            points,
             is_omitted: rays.is_out_of_work(),
             ..Self::default()
         }
@@ -318,16 +327,22 @@ fn is_interrupted(
     found.is_some_and(|found| !found.is_empty())
 }
 
-/// Places on a solid that rays along the axes find; none on an endless one. Where they take more operations, two corners of
-/// its box stand for the others.
-fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 3]> {
+/// The box of a solid; none of an endless one, and of one that is known to be empty.
+fn solid_box(rays: &RayScene) -> Option<BoundingBox> {
     let world = rays.world();
-    let Some(bounds) = (world.solid_count() > 0).then(|| world.bounds(0)).flatten() else {
-        return Vec::new();
-    };
-    if bounds.is_empty() {
-        return Vec::new();
-    }
+    let bounds = (world.solid_count() > 0).then(|| world.bounds(0)).flatten();
+    bounds.filter(|bounds| !bounds.is_empty())
+}
+
+/// Places on a solid that rays along the axes find in its box. Where they take more operations, two corners of the box stand
+/// for the others.
+fn solid_points(
+    rays: &RayScene,
+    bounds: &BoundingBox,
+    in_a_row: usize,
+    operations: u64,
+) -> Vec<[f64; 3]> {
+    let world = rays.world();
     let size = bounds.upper - bounds.lower;
     let cells = (0..3).flat_map(|axis| (0..in_a_row * in_a_row).map(move |cell| (axis, cell)));
     let mut crossings = Vec::new();
@@ -352,7 +367,7 @@ fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 
         crossings.extend_from_slice(caster.cast(&ray));
     }
     if in_a_row == MOST_RAYS {
-        let tips = tips(&mut caster, &bounds, &crossings, in_a_row, operations);
+        let tips = tips(&mut caster, bounds, &crossings, in_a_row, operations);
         points.extend(tips.iter().map(DVec3::to_array));
     }
     points.extend(

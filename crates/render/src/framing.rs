@@ -152,6 +152,22 @@ impl Framed {
         self.clouds.get(id.index()).map(|cloud| &**cloud)
     }
 
+    /// Returns sentences about the solids of a request that no ray has met, among those that its view shows.
+    pub(crate) fn notes(
+        &self,
+        request: &PictureRequest,
+        shows: impl Fn(ObjectId) -> bool,
+    ) -> Vec<String> {
+        let objects = (0..).map(ObjectId::new).zip(&request.scene.objects);
+        let missed = objects
+            .zip(self.clouds.iter())
+            .filter(|((id, _), cloud)| cloud.is_missed && shows(*id));
+        let note = |name: &str| {
+            format!("`{name}` may contain no point: no ray that looks for it meets it")
+        };
+        missed.map(|((_, object), _)| note(&object.name)).collect()
+    }
+
     /// The corners of the box around the scene's points now, in drawing units: the least and the greatest coordinates.
     pub(crate) fn corners(&self) -> Option<[[f64; 3]; 2]> {
         let first = *self.cloud.first()?;

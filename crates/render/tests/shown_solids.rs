@@ -572,6 +572,34 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
 }
 
 #[test]
+fn a_solid_that_no_ray_meets_is_noted() {
+    let balls = "solid a(x,y,z) = x^2 + y^2 + (z + 0.8)^2 - 1;
+        solid b(x,y,z) = x^2 + y^2 + (z - 0.8)^2 - 1;
+        solid c(x,y,z) = x^2 + y^2 + z^2 - 0.01;";
+    let note = "`lens` may contain no point: no ray that looks for it meets it";
+    for (lens, is_noted) in [
+        // The map moves `b` alone.
+        ("a & b @ rotate (pi/2, 0, 0) @ (1.5, -1, 0.6)", true),
+        ("(a & b) @ rotate (pi/2, 0, 0) @ (1.5, -1, 0.6)", false),
+        ("a & b", false),
+    ] {
+        let scene = scenes::scene(&format!("{balls} solid lens = {lens};"));
+        let space = request(Scene::clone(&scene), SpaceOptions::default());
+        let mut traced = space.clone();
+        traced.view = TracedOptions {
+            samples: Some(1),
+            ..TracedOptions::default()
+        }
+        .into();
+        for request in [space, traced] {
+            let drawn = Renderer::software().draw(&request).expect("a picture");
+            let expected = is_noted.then(|| Note::Remark(note.to_owned()));
+            assert_eq!(drawn.notes, Vec::from_iter(expected), "{lens}");
+        }
+    }
+}
+
+#[test]
 fn an_endless_solid_that_nothing_frames_is_noted() {
     let note = "`s` may be unbounded, so the picture does not frame it: no bound was found along z; cut it by \
                 `z : [-3, 3]`, which needs the parameter z: `solid s(x, y, z)`";

@@ -261,6 +261,7 @@ impl ViewRenderer for SpaceRenderer {
             (Pixels::Image(image), notes)
         };
         notes.extend(colour_notes);
+        notes.extend(framed.notes(request, |id| options.shows(id)));
         if let Some(painter) = &painter {
             notes.extend(painter.notes(request)?);
         }

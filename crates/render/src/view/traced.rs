@@ -498,6 +498,7 @@ impl ViewRenderer for TracedRenderer {
             legend,
             samples: Some([done, added]),
             notes: solids::notes(scene.rays(), request)
+                .chain(framed.notes(request, |id| options.space.shows(id)))
                 .chain(cut_short)
                 .chain(partial)
                 .map(Note::Remark)

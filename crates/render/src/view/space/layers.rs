@@ -53,6 +53,7 @@ impl SpaceRenderer {
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
         notes.extend(colour_notes);
+        notes.extend(prepared.framed.notes(request, |id| options.shows(id)));
         if let Some(painter) = &painter {
             notes.extend(painter.notes(request)?);
         }
