@@ -53,6 +53,14 @@ pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
 /// The fraction of it in a highlighted object.
 pub const EMPHASIS: f32 = 0.45;
 
+/// The fraction of its brightness that an object keeps while it is out of date.
+const DIMMED: f64 = 0.4;
+
+/// Returns the colour, sRGB, of an object that is out of date.
+pub fn dimmed(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|part| (f64::from(part) * DIMMED) as u8)
+}
+
 /// The medium for which the colours of points and lines are chosen.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Theme {

@@ -4,7 +4,7 @@
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
-use render::style::Theme;
+use render::style::{self, Theme};
 use render::trail::Trail;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
@@ -143,16 +143,13 @@ fn add_textures(
     }
 }
 
-/// The fraction of its brightness that an object keeps while it is out of date.
-const DIMMED: f64 = 0.4;
-
 /// Returns the colours of objects for which one is chosen. With `dims`, objects that are out of date are dimmed.
 fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
     let Some(scene) = &model.scene else {
         return Vec::new();
     };
     let stale = model.faults.stale();
-    let defaults = render::style::colours(scene, Theme::Screen, model.shows_curvature());
+    let defaults = style::colours(scene, Theme::Screen, model.shows_curvature());
     let colour = |(id, object): (ObjectId, &Object)| {
         let look = model.choices.looks.get(&object.name);
         // The colours of curvature are dimmed only.
@@ -160,7 +157,7 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
         let chosen = look.and_then(|look| look.colour.filter(|_| !is_curved));
         if dims && stale.contains(&object.name) {
             let colour = chosen.unwrap_or(defaults[id.index()]);
-            return Some((id, colour.map(|part| (f64::from(part) * DIMMED) as u8)));
+            return Some((id, style::dimmed(colour)));
         }
         chosen.map(|colour| (id, colour))
     };
@@ -244,7 +241,7 @@ pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{DIMMED, colours};
+    use super::{colours, style};
     use crate::Model;
     use crate::reader::{Reader, SourceText};
 
@@ -294,7 +291,7 @@ define unused = 1;
         assert_eq!(names(&model), ["p", "o"]);
         take(&mut model, 4, good.replace("[1, 2]", "[1, 2"));
         let all = coloured(&model, true);
-        let dim = [200, 100, 50].map(|part| (f64::from(part) * DIMMED) as u8);
+        let dim = style::dimmed([200, 100, 50]);
         assert_eq!(names(&model), ["p", "o"]);
         assert_eq!(all[1].1, dim);
         assert_eq!(coloured(&model, false), chosen, "a picture that is kept");

@@ -38,7 +38,7 @@ impl PictureRequest {
         let base = self.unstated_colours();
         let colours = self.scene.numbered().zip(base).map(|((id, object), base)| {
             if self.shows_curvature_of(id) {
-                return base.or_stated(WHITE);
+                return base.under_curvature();
             }
             let stated = StatedColour::of(&self.scene, object);
             let first = stated.and_then(|mut stated| stated.instances(&self.params).next());
@@ -53,7 +53,7 @@ impl PictureRequest {
         let base = self.unstated_colours();
         let colours = self.scene.numbered().zip(base).map(|((id, object), base)| {
             if self.shows_curvature_of(id) {
-                return vec![base.or_stated(WHITE)];
+                return vec![base.under_curvature()];
             }
             let Some(mut stated) = StatedColour::of(&self.scene, object) else {
                 return vec![base.or_stated(None)];
@@ -95,9 +95,6 @@ impl PictureRequest {
     }
 }
 
-/// The colour of a surface that is coloured by its curvature.
-const WHITE: Option<[f64; 3]> = Some([1.0; 3]);
-
 /// The colour, sRGB, of an object that specifies none.
 #[derive(Clone, Copy)]
 struct UnstatedColour {
@@ -106,6 +103,12 @@ struct UnstatedColour {
 }
 
 impl UnstatedColour {
+    /// Returns the factor of the colours of curvature: the usual white, dim for an outdated surface.
+    fn under_curvature(self) -> [u8; 3] {
+        let dim = style::dimmed(self.usual);
+        if self.chosen == dim { dim } else { self.usual }
+    }
+
     /// Returns the specified colour, which takes precedence over a chosen one; an outdated object is still dimmed.
     fn or_stated(self, stated: Option<[f64; 3]>) -> [u8; 3] {
         let Some(stated) = stated else {

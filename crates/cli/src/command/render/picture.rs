@@ -34,14 +34,12 @@ pub(super) fn request(
     images: &Images,
 ) -> Result<PictureRequest, Failure> {
     let view = view(arguments, views, program, &params)?;
-    let mut colours = colours(arguments, program)?;
-    colours.retain(|(id, _)| !images.curved.contains(id));
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
         overlays: overlays(arguments),
         theme: arguments.theme,
         scale: arguments.scale as f32,
-        colours,
+        colours: colours(arguments, program)?,
         textures: images.loaded.clone(),
         images: images.named.clone(),
         background_image: images.background.clone(),
