@@ -279,7 +279,7 @@ impl Connection {
     }
 
     /// Converts a connection on a surface in usual units to those of the surface itself.
-    fn rescaled(self, usual: &Rescaled<'_>) -> Self {
+    pub(super) fn rescaled(self, usual: &Rescaled<'_>) -> Self {
         Self {
             length: self.length * usual.size(),
             from: usual.restored(self.from),

@@ -12,6 +12,7 @@ use super::MeasureError;
 use super::between::{Connection, all_within, shortest};
 use super::gap::{AimedPlace, components, is_one_place};
 use super::quadrature;
+use super::rescaled::Rescaled;
 use super::shoot::{self, PolarVector};
 use super::source::RaySource;
 use crate::jacobi::integral;
@@ -111,6 +112,16 @@ pub fn triangle<P: Into<Uv>>(
     corners: [P; 3],
 ) -> Result<Triangle, MeasureError> {
     let corners = corners.map(Into::into);
+    if let Some(usual) = Rescaled::of(surface) {
+        let found = triangle(&usual, corners.map(|corner| usual.changed(corner)));
+        let mut found = found.map_err(|error| usual.restored_error(error))?;
+        found.sides = found.sides.map(|side| Some(side?.rescaled(&usual)));
+        if let Ok(region) = &mut found.region {
+            region.area *= usual.size() * usual.size();
+            region.area_error *= usual.size() * usual.size();
+        }
+        return Ok(found);
+    }
     if let Some(even) = Reparametrised::of(surface) {
         let found = triangle_on(&even, corners.map(|corner| even.changed(corner).0));
         let mut found = found.map_err(|error| error.restored(&even))?;
