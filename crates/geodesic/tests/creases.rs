@@ -186,6 +186,29 @@ fn the_lid_of_a_cone_focuses() {
     is(circle.circumference, 2.0 * PI * (1.0 + 1.0 / slant), 1e-8);
 }
 
+/// The octahedron |x| + |y| + |z| = 1 by longitude and latitude.
+fn octahedron() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+    let u = m.u;
+    let p = m.around(cos, u, sin);
+    let sizes = p.map(|x| m.f(Unary::Abs, x));
+    let sum = m.add(sizes[0], sizes[1]);
+    let sum = m.add(sum, sizes[2]);
+    let p = p.map(|x| m.g.div(x, sum));
+    m.done(p, [[0.0, 2.0 * PI], [-0.5 * PI, 0.5 * PI]])
+}
+
+#[test]
+fn nothing_is_said_of_overlaps_behind_a_corner() {
+    // Behind the corner (1, 0, 0), whose angle is 4π/3, rays to its left and to its right meet.
+    let circle = measure::circle(&octahedron(), [0.7, 0.5], 1.0).expect("a place");
+    assert_ne!(circle.expect("a circle").overlaps, Some(false));
+    // The circle about the centre of the lid of a cone has no corner.
+    let circle = measure::circle(&lid(), [0.0, 0.0], 2.0).expect("a place");
+    assert_eq!(circle.expect("a circle").overlaps, Some(false));
+}
+
 #[test]
 fn circles_behind_a_rim_have_their_lengths() {
     let outer = 1.0 + 2.0 - to_rim();

@@ -122,10 +122,12 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
             ));
             rows.push(Quantity::new("area", beside(found.area, area, "πr²")));
             rows.push(errors(found.circumference_error, found.area_error));
-            if found.overlaps {
-                let note = "the circle overlaps itself: regions swept twice count twice";
-                answer.note = Some(note.to_owned());
-            }
+            let note = match found.overlaps {
+                Some(true) => Some("the circle overlaps itself: regions swept twice count twice"),
+                Some(false) => None,
+                None => Some("whether the circle overlaps itself is not known"),
+            };
+            answer.note = note.map(str::to_owned);
         }
         Err(stop) => {
             let degrees = stop.angle.to_degrees().rem_euclid(360.0);

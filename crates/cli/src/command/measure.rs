@@ -104,6 +104,7 @@ struct PrincipalJson {
 struct CircleJson {
     circumference: Option<f64>,
     area: Option<f64>,
+    /// Null also where it is not known.
     overlaps: Option<bool>,
     /// The larger of both estimates.
     error_estimate: Option<f64>,
@@ -281,7 +282,7 @@ impl Measuring<'_> {
             }) => CircleJson {
                 circumference: Some(circumference),
                 area: Some(area),
-                overlaps: Some(overlaps),
+                overlaps,
                 error_estimate: Some(circumference_error.max(area_error)),
                 error_estimates: Some(CircleErrorsJson {
                     circumference: circumference_error,

@@ -1,11 +1,13 @@
 //! A circle about a point, the wavefront: its length ∫|m|dθ and the area ∬|m| that its rays sweep.
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use super::MeasureError;
 use super::between::all_within;
 use super::gap::AimedPlace;
 use super::quadrature;
+use super::rescaled::Rescaled;
 use super::source::RaySource;
 use crate::jacobi::absolute_integral;
 use crate::point::Uv;
@@ -20,8 +22,9 @@ pub struct Circle {
     pub circumference: f64,
     /// The area that its rays sweep, counted as often as it is swept.
     pub area: f64,
-    /// True if part of the area is swept more than once: the radius is larger than the distance to the cut locus.
-    pub overlaps: bool,
+    /// True if part of the area is swept more than once: the radius is larger than the distance to the cut locus. `None` where
+    /// that is not known.
+    pub overlaps: Option<bool>,
     /// The estimated error of the circumference.
     pub circumference_error: f64,
     /// The estimated error of the area.
@@ -64,6 +67,23 @@ pub fn circle(
         return Err(MeasureError::BadLength { length: radius });
     }
     let uv = uv.into();
+    if let Some(usual) = Rescaled::of(surface) {
+        let size = usual.size();
+        let found = circle(&usual, usual.changed(uv), radius / size);
+        let found = found.map_err(|error| usual.restored_error(error))?;
+        return Ok(found
+            .map(|it| Circle {
+                circumference: size * it.circumference,
+                area: size * (size * it.area),
+                circumference_error: size * it.circumference_error,
+                area_error: size * (size * it.area_error),
+                ..it
+            })
+            .map_err(|stop| RayStop {
+                length: size * stop.length,
+                ..stop
+            }));
+    }
     // Angles are measured from the same direction in both parametrisations.
     match Reparametrised::of(surface) {
         Some(even) => {
@@ -80,6 +100,7 @@ fn circle_on(
 ) -> Result<Result<Circle, RayStop>, MeasureError> {
     let source = RaySource::at(surface, uv)?;
     let mut passes_conjugate = false;
+    let mut pieces = BTreeSet::from([surface.smooth_piece(uv)]);
     let mut ray = |angle: f64| {
         let (end, trace) = source
             .follow(angle, radius, true)
@@ -91,6 +112,7 @@ fn circle_on(
                 status: end.status,
             }));
         }
+        pieces.insert(surface.smooth_piece(end.at));
         passes_conjugate |= trace.conjugates.iter().any(|s| *s < radius * (1.0 - 1e-9));
         Ok([end.m.abs(), absolute_integral(&trace.jacobi_knots)])
     };
@@ -107,16 +129,22 @@ fn circle_on(
     Ok(Ok(Circle {
         circumference,
         area,
-        overlaps: passes_conjugate || meets_itself(&source, uv, radius)?,
+        overlaps: if passes_conjugate {
+            Some(true)
+        } else {
+            // Where creases meet, rays may meet without a loop.
+            let may_have_vertex = pieces.len() > 2;
+            meets_itself(&source, uv, radius)?.filter(|meets| *meets || !may_have_vertex)
+        },
         circumference_error: error(0),
         area_error: error(1),
     }))
 }
 
-/// Returns whether two rays of a length meet, neither of which has a conjugate point before. Where two first meet, they
+/// Returns whether two rays of a length meet, if that is known, neither of which has a conjugate point before. Where two first meet, they
 /// form a loop (Klingenberg's lemma: do Carmo, *Riemannian Geometry*, 1992, chapter 13, proposition 2.12). Rays also meet
 /// behind the tip of a cone of less than a full turn.
-fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<bool, MeasureError> {
+fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<Option<bool>, MeasureError> {
     let surface = source.surface;
     let target = AimedPlace::new(surface, uv)?;
     let loops = all_within(source, &target, 2.0 * radius);
@@ -125,8 +153,9 @@ fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<bool, Mea
         .iter()
         .any(|it| it.length < 2.0 * radius * (1.0 - 1e-9))
     {
-        return Ok(true);
+        return Ok(Some(true));
     }
+    let mut is_known = loops.complete;
     for axis in 0..2 {
         for end in 0..2 {
             let domain = surface.domain();
@@ -138,13 +167,14 @@ fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<bool, Mea
             tip[axis] = domain[axis][end];
             if turn < TAU
                 && let Ok(tip) = AimedPlace::new(surface, tip)
-                && !all_within(source, &tip, radius * (1.0 - 1e-9))
-                    .found
-                    .is_empty()
             {
-                return Ok(true);
+                let ways = all_within(source, &tip, radius * (1.0 - 1e-9));
+                if !ways.found.is_empty() {
+                    return Ok(Some(true));
+                }
+                is_known &= ways.complete;
             }
         }
     }
-    Ok(false)
+    Ok(is_known.then_some(false))
 }

@@ -70,10 +70,10 @@ pub(super) fn circle(found: &Circle, radius: f64) -> String {
         area_error,
         ..
     } = *found;
-    let overlap = if found.overlaps {
-        "it overlaps itself: regions swept twice count twice"
-    } else {
-        "it does not overlap itself"
+    let overlap = match found.overlaps {
+        Some(true) => "it overlaps itself: regions swept twice count twice",
+        Some(false) => "it does not overlap itself",
+        None => "whether it overlaps itself is not known",
     };
     format!(
         "\
