@@ -50,7 +50,7 @@ pub(super) struct Start {
     pub(super) sheet: Option<(usize, [f64; 2])>,
 }
 
-/// What belongs to a ray from the eye.
+/// The place on lights, and the cone, of a ray from the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeSample {
     /// The place on lights that have a size, two numbers from 0 to 1.
