@@ -403,3 +403,17 @@ fn a_crease_and_equal_corners_are_named() {
     let one = document(SPHERE, "--triangle 0,0 0,0 1,1");
     assert_eq!(one["note"], "the corners 1 and 2 are the same point");
 }
+
+#[test]
+fn a_start_on_another_meridian_is_given_in_parameters_of_any_unit() {
+    for unit in ["1", "1e10", "1e-10"] {
+        let sphere = format!(
+            "surface s(u, v) = (cos({unit} u) cos v, sin({unit} u) cos v, sin v),
+                u : [0, 2pi/{unit}], v : [-pi/2, pi/2];"
+        );
+        let found = document(&sphere, &format!("--between 1/{unit},pi/2 3/{unit},0.5"));
+        let from = found["geodesics"][0]["from"][0].as_f64();
+        let scale: f64 = unit.parse().expect("a number");
+        assert_close("from", from.expect("another meridian") * scale, 3.0, 1e-9);
+    }
+}

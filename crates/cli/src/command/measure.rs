@@ -320,13 +320,18 @@ impl Measuring<'_> {
             true => Some(0.0),
             false => found.found.first().map(|it| it.length),
         };
+        let other_start = |it: &Connection| other_start(it, from, self.surface.domain());
         let document = ConnectionsJson {
             distance,
             within: found.within,
-            geodesics: found.found.iter().map(|it| connection(it, from)).collect(),
+            geodesics: found
+                .found
+                .iter()
+                .map(|it| connection(it, other_start(it)))
+                .collect(),
             note: note(&found),
         };
-        let mut text = text::between(&found, from, distance, &self.chart);
+        let mut text = text::between(&found, distance, &self.chart, &other_start);
         if let Some(note) = &document.note {
             text.push_str(&format!("{note}\n"));
         }
@@ -355,18 +360,21 @@ impl Measuring<'_> {
     }
 }
 
-fn connection(it: &Connection, from: [f64; 2]) -> ConnectionJson {
+fn connection(it: &Connection, other_start: Option<[f64; 2]>) -> ConnectionJson {
     ConnectionJson {
         length: it.length,
         direction: it.direction.0,
         conjugate: it.conjugate,
-        from: other_start(it, from),
+        from: other_start,
     }
 }
 
 /// The start of a geodesic where its numbers are not those of the place: at a pole all meridians begin.
-fn other_start(it: &Connection, from: [f64; 2]) -> Option<[f64; 2]> {
-    let moved = (0..2).any(|k| (it.from[k] - from[k]).abs() > 1e-9 * from[k].abs().max(1.0));
+fn other_start(it: &Connection, from: [f64; 2], domain: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let moved = (0..2).any(|k| {
+        let [low, high] = domain[k];
+        (it.from[k] - from[k]).abs() > 1e-9 * (high - low)
+    });
     (moved && it.direction.is_finite()).then_some(it.from.0)
 }
 

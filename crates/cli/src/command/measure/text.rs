@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
+use geodesic::measure::{Circle, Connection, Connections, PlaceMeasures, Triangle};
 
 use super::pair_text;
 use crate::number::{count, is_vague, show_all, show_estimated, show_measured};
@@ -92,12 +92,13 @@ circle of radius {}
     )
 }
 
-/// The geodesics from one place to another, which are loops where their distance is 0; `chart` names the parameters.
+/// The geodesics from one place to another, which are loops where their distance is 0; `chart` names the parameters, and
+/// `other_start` gives where one starts if the numbers of the place do not.
 pub(super) fn between(
     found: &Connections,
-    from: [f64; 2],
     distance: Option<f64>,
     chart: &str,
+    other_start: &dyn Fn(&Connection) -> Option<[f64; 2]>,
 ) -> String {
     let Some(distance) = distance.filter(|_| !found.found.is_empty()) else {
         return String::new();
@@ -119,7 +120,7 @@ pub(super) fn between(
         } else {
             ""
         };
-        let start = super::other_start(it, from);
+        let start = other_start(it);
         let start = start.map_or_else(String::new, |at| format!(" from {}", show_pair(at)));
         text.push_str(&format!(
             "  length {:<20} direction {} in {chart}{start}{family}\n",
