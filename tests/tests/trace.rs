@@ -554,7 +554,7 @@ fn a_line_on_which_a_parameter_stands_still_is_named() {
     // The pole of a sphere inside of the domain, of which the first parameter goes around.
     let program =
         "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [0, 2pi], v : [-pi, pi];
-        metric m(u, v) = (cos(v)^2, 0, 1), u : [0, 2pi], v : [-pi, pi];";
+        metric m(u, v) = (cos^2 v, 0, 1), u : [0, 2pi], v : [-pi, pi];";
     for name in ["s", "m"] {
         let arguments =
             format!("trace - --surface {name} --from 1,0.7 --direction 1e-6,1 --length 2");

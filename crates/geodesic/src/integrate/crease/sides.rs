@@ -43,7 +43,7 @@ pub(super) struct BothSides<'a> {
     jump: Jump,
 }
 
-/// What differs between the sides.
+/// The kind of difference between the sides.
 enum Jump {
     /// The derivatives of σ, all along one vector in space.
     Tangents([f64; 3]),
