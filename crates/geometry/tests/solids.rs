@@ -777,7 +777,7 @@ fn surfaces_have_bumps_and_images() {
             let [[ax, ay], [bx, by]] = (part.sides)();
             assert!((ax - 0.05).abs() < 1e-12 && ay.abs() < 1e-12 && bx.abs() < 1e-12);
             assert!((by - 0.1).abs() < 1e-12);
-            Some(DVec3::new(part.at[0], part.at[1], 0.0))
+            Some(part.colour * DVec3::new(part.at[0], part.at[1], 0.0))
         });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);

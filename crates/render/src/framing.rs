@@ -4,7 +4,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use geometry::solids::{RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::ObjectId;
 use tracer::camera::{LensCamera, LensProjection};
@@ -12,6 +11,7 @@ use tracer::camera::{LensCamera, LensProjection};
 use crate::bounds::{Bounds, ObjectCloud, stated_radii};
 use crate::camera::Camera;
 use crate::content::{Content, Structure};
+use crate::declared_camera::declared_lens;
 use crate::error::RenderError;
 use crate::overlay::AxesBox;
 use crate::point::WorldPoint;
@@ -235,32 +235,6 @@ fn with_room_for_axes(
         }),
         None => camera,
     })
-}
-
-/// The declared camera of a name, or the first one.
-pub(crate) fn declared_camera(rays: &RayScene, name: Option<&str>) -> Option<LensCamera> {
-    let mut cameras = rays.cameras().iter();
-    let found = match name {
-        Some(name) => cameras.find(|camera| camera.name == name),
-        None => cameras.next(),
-    };
-    found.map(|camera| camera.lens)
-}
-
-/// The camera that the scene of a request declares, as the request names it.
-pub(crate) fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
-    if request.scene.stage.is_empty() {
-        return None;
-    }
-    let options = RaySceneOptions {
-        shown: &|_| false,
-        colour: &|_| DVec3::ONE,
-        thickness: None,
-        stage: true,
-        picture_look: Default::default(),
-    };
-    let rays = RayScene::new(&request.scene, &request.params, &options);
-    declared_camera(&rays, request.view.space()?.declared.as_deref())
 }
 
 /// The place of a declared camera, for a viewpoint that has none. Its target lies before it as deep as the middle of the

@@ -16,6 +16,7 @@ pub mod camera;
 mod closed;
 mod content;
 pub mod counters;
+mod declared_camera;
 pub mod error;
 pub mod figure;
 mod framing;

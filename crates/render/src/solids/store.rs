@@ -13,7 +13,7 @@ use tracer::shade::{Face, FaceLook, Scenery};
 use tracer::{PictureLook, World};
 
 use crate::content::Content;
-use crate::framing::declared_lens;
+use crate::declared_camera::declared_lens;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
 use crate::shared::Shared;

@@ -36,7 +36,6 @@ use crate::texture::SurfaceImage;
 use crate::viewpoint::GeodesicCamera;
 use tracer::shade::Face;
 
-pub(super) use crate::framing::declared_camera;
 pub use crate::framing::first_camera;
 
 /// The view's name.

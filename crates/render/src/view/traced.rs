@@ -26,6 +26,7 @@ use super::space::{self, SpaceView};
 use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::camera::Camera;
 use crate::counters::PixelCounters;
+use crate::declared_camera::declared_camera;
 use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
@@ -569,7 +570,7 @@ fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
 
 /// Returns the camera of a picture: at the position of the 3D view's, with the lens of the declared one.
 fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCamera {
-    let declared = space::declared_camera(scene.rays(), options.space.declared.as_deref());
+    let declared = declared_camera(scene.rays(), options.space.declared.as_deref());
     let viewpoint = &options.space.camera;
     if let (Some(lens), None, None) = (declared, viewpoint.eye, viewpoint.target) {
         return lens;
