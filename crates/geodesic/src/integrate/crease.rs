@@ -152,8 +152,8 @@ impl Ray<'_, '_> {
         self.enter_next_chart()
     }
 
-    /// Locates a crease on the parabola ahead of the ray, up to a length. `change` is 0 at the ray's point, is continuous on both sides of the
-    /// crease and jumps there.
+    /// Locates a crease on the parabola ahead of the ray, up to a length. `change` is 0 at the ray's point, is continuous on
+    /// both sides of the crease and jumps there.
     fn crossing(&self, reach: f64, change: &dyn Fn(&State) -> Option<f64>) -> Found {
         let sharp = self.sharpness(reach);
         let near = self.nearness();
