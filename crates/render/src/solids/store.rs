@@ -246,9 +246,10 @@ fn is_framed(rays: &RayScene, request: &PictureRequest) -> bool {
     let objects = &request.scene.objects;
     let mut space = request.view.space().into_iter();
     space.all(|space| space.camera.eye.is_some())
-        || declared_lens(request).is_some()
         || rays.bounds().is_some()
         || objects.iter().any(|object| object.shape.solid().is_none())
+        // Last: it evaluates the cameras anew, for each picture.
+        || declared_lens(request).is_some()
 }
 
 impl TracedScene {
