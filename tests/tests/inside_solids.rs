@@ -220,13 +220,14 @@ fn geodesics_on_solids_are_drawn_in_space_and_traced() {
 
 #[test]
 fn a_camera_that_has_no_place_is_refused_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
     let refused = |program: &str, words: &[&str]| {
         let words = [
             &["render", "-", "-o", "never.png", "--view", "geodesic"],
             words,
         ]
         .concat();
-        let run = geotrace(words).input(program).run();
+        let run = geotrace(words).folder(folder.path()).input(program).run();
         run.expect_status(2);
         run.stderr
     };
@@ -235,6 +236,7 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
     let beside = refused(two_balls, &[]);
     assert!(beside.contains("needs a position"), "{beside}");
     let empty = geotrace(["render", "-", "-o", "never.png", "--view", "geodesic"])
+        .folder(folder.path())
         .input("solid none(x,y,z) = x^2 + 1;")
         .run();
     empty.expect_status(1);
@@ -245,4 +247,6 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
     assert!(two.contains("three numbers"), "{two}");
     let mirrored = refused(BALL, &["--mirrored"]);
     assert!(mirrored.contains("no other side"), "{mirrored}");
+    let written = std::fs::read_dir(folder.path()).expect("the folder");
+    assert_eq!(written.count(), 0);
 }
