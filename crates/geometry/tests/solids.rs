@@ -771,12 +771,12 @@ fn surfaces_have_bumps_and_images() {
         };
         assert!((uv[0] - 0.5).abs() < 1e-12 && (uv[1] - 0.5).abs() < 1e-12);
         // A step in space of (0.2, 0, 0) is one of 0.1 in u, which is 0.05 of the image.
-        let footprint = [0.2 * DVec3::X, 0.2 * DVec3::Y];
-        let face = Face { footprint, ..face };
+        let beam = -0.2 * side * DVec3::Z;
+        let face = Face { beam, ..face };
         let look = scene.look(&face, &|_, part| {
             let [[ax, ay], [bx, by]] = (part.sides)();
-            assert!((ax - 0.05).abs() < 1e-12 && ay.abs() < 1e-12 && bx.abs() < 1e-12);
-            assert!((by - 0.1).abs() < 1e-12);
+            assert!(ax.abs() < 1e-12 && (ay - side * 0.1).abs() < 1e-12);
+            assert!((bx + 0.05).abs() < 1e-12 && by.abs() < 1e-12);
             Some(part.colour * DVec3::new(part.at[0], part.at[1], 0.0))
         });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);

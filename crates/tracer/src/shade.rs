@@ -61,8 +61,8 @@ pub struct Face {
     pub position: DVec3,
     /// The unit normal on the side of the ray's start.
     pub normal: DVec3,
-    /// The sides of the parallelogram around the place, in the tangent plane, for which the ray stands; 0 for the place alone.
-    pub footprint: [DVec3; 2],
+    /// The direction of the ray, as long as the side of the square section of the beam for which it stands; 0 for the ray alone.
+    pub beam: DVec3,
     /// The object that the face belongs to.
     pub of: FaceObject,
 }
@@ -182,7 +182,7 @@ impl From<&Crossing> for Face {
             } else {
                 -crossing.normal
             },
-            footprint: [DVec3::ZERO; 2],
+            beam: DVec3::ZERO,
             of: FaceObject::Solid {
                 solid: crossing.solid,
                 leaf: crossing.leaf,
@@ -200,9 +200,23 @@ impl Face {
             t: hit.t,
             position: hit.position,
             normal: hit.normal,
-            footprint: [DVec3::ZERO; 2],
+            beam: DVec3::ZERO,
             of: FaceObject::Sheet { sheet, uv: hit.uv },
         }
+    }
+
+    /// Returns the sides of the parallelogram in the tangent plane that the beam meets.
+    pub fn footprint(&self) -> [DVec3; 2] {
+        let width = self.beam.length();
+        if width == 0.0 {
+            return [DVec3::ZERO; 2];
+        }
+        let direction = self.beam / width;
+        let across = direction.cross(self.normal).try_normalize();
+        let across = across.unwrap_or_else(|| self.normal.any_orthonormal_vector());
+        let along = self.normal.cross(across);
+        let cosine = direction.dot(self.normal).abs();
+        [width * across, width / cosine.max(f64::EPSILON) * along]
     }
 
     /// The unit normal that leads out of the solid; of a parametric surface, the one on the side of the ray's start.

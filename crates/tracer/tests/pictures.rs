@@ -351,9 +351,12 @@ fn footprints_are_what_pixels_meet() {
         assert!(
             ceiling
                 .iter()
-                .all(|face| face.footprint == [DVec3::ZERO; 2])
+                .all(|face| face.beam == DVec3::ZERO)
         );
-        let area = |face: &&Face| face.footprint[0].cross(face.footprint[1]).z.abs();
+        let area = |face: &&Face| {
+            let [a, b] = face.footprint();
+            a.cross(b).z.abs()
+        };
         floor.iter().map(area).collect()
     };
     // The footprints of the first samples fill the part of the floor that the picture shows.

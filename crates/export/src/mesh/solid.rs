@@ -176,7 +176,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
             t: 0.0,
             position: *position,
             normal: *normal,
-            footprint: [DVec3::ZERO; 2],
+            beam: DVec3::ZERO,
             of: FaceObject::Solid {
                 solid: 0,
                 leaf,

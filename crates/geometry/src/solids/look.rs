@@ -211,7 +211,7 @@ impl LookProgram {
         let image = image.map(|at| [at.x, at.y]);
         let sides = || {
             let Some(middle) = image else { return POINT };
-            face.footprint.map(|side| {
+            face.footprint().map(|side| {
                 let beside = face.position + side;
                 self.image_side(uniforms, middle, |group| variables_at(beside, group))
             })
@@ -255,7 +255,7 @@ impl LookProgram {
             let tangents = evaluated(tape, &uv, uniforms, |out| {
                 [&out[..3], &out[3..]].map(DVec3::from_slice)
             });
-            face.footprint.map(|side| {
+            face.footprint().map(|side| {
                 let step = components(tangents, side);
                 match stated {
                     Some(middle) => {

@@ -166,7 +166,7 @@ fn anywhere(solid: usize, leaf: usize) -> Face {
         t: 1.0,
         position: DVec3::ZERO,
         normal: DVec3::Z,
-        footprint: [DVec3::ZERO; 2],
+        beam: DVec3::ZERO,
         of: FaceObject::Solid {
             solid,
             leaf,

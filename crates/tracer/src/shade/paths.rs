@@ -285,9 +285,7 @@ impl<'a> LightTracer<'a> {
     ) -> MetFace {
         let kept = kept(&path.media, face.t);
         let direction = path.ray.direction;
-        if path.spread > 0.0 {
-            face.footprint = footprint(path.spread * face.t, direction, face.normal);
-        }
+        face.beam = path.spread * face.t * direction;
         let look = (self.scenery.look)(&face).balanced();
         let normal = if look.bump == DVec3::ZERO {
             face.normal
@@ -336,7 +334,7 @@ impl<'a> LightTracer<'a> {
                 t: 0.0,
                 position: ray.origin,
                 normal: -ray.direction,
-                footprint: [DVec3::ZERO; 2],
+                beam: DVec3::ZERO,
                 of: FaceObject::Solid {
                     solid,
                     leaf: glass.leaf,
@@ -481,19 +479,6 @@ impl<'a> LightTracer<'a> {
         }
         media
     }
-}
-
-/// The sides of the part of a face, with this unit normal, that a beam with a square section of this width along a unit
-/// direction meets.
-fn footprint(width: f64, direction: DVec3, normal: DVec3) -> [DVec3; 2] {
-    let cosine = direction.dot(normal);
-    let across = direction.cross(normal).try_normalize();
-    let across = across.unwrap_or_else(|| normal.any_orthonormal_vector());
-    let along = normal.cross(across);
-    [
-        width * across,
-        width / cosine.abs().max(f64::EPSILON) * along,
-    ]
 }
 
 impl Scenery<'_> {
