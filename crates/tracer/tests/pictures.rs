@@ -348,11 +348,7 @@ fn footprints_are_what_pixels_meet() {
         let (floor, ceiling): (Vec<&Face>, Vec<&Face>) =
             faces.iter().partition(|face| face.normal.z > 0.0);
         assert_eq!([floor.len(), ceiling.len()], [33 * 33; 2]);
-        assert!(
-            ceiling
-                .iter()
-                .all(|face| face.beam == DVec3::ZERO)
-        );
+        assert!(ceiling.iter().all(|face| face.beam == DVec3::ZERO));
         let area = |face: &&Face| {
             let [a, b] = face.footprint();
             a.cross(b).z.abs()

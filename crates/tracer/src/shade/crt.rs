@@ -14,9 +14,9 @@ use crate::light::Light;
 /// The distance within which faces keep parallel light from others.
 pub(super) const PARALLEL_REACH: f64 = 1e4;
 
-/// Light that comes everywhere.
-pub(super) fn ambient(look: &FaceLook, light: &Light) -> DVec3 {
-    light.ambient * light.colour * (DVec3::ONE - look.mirror)
+/// Returns the share, by colour, that a face sends of the light from everywhere.
+pub(super) fn ambient(look: &FaceLook) -> DVec3 {
+    DVec3::ONE - look.mirror
 }
 
 /// Returns the light that a face sends, if this share of a light comes to it.
@@ -24,10 +24,9 @@ pub(super) fn lit(face: &LitFace<'_>, light: &Light, visible: DVec3) -> DVec3 {
     let LitFace {
         met, seen, height, ..
     } = face;
-    let look = &met.look;
     let away = seen.towards - 2.0 * height * met.normal;
     let along = away.dot(face.direction).max(0.0);
-    let highlight = look.specular * along.powf(look.shininess);
+    let highlight = met.specular * along.powf(met.shininess);
     let shared = visible * seen.share;
-    shared * look.colour * (look.scattered() * height * light.colour + highlight * light.highlight)
+    shared * (met.scattered * height * light.colour + highlight * light.highlight)
 }

@@ -76,18 +76,18 @@ impl LitFaces {
                     block.faces[lane] = number;
                     let path = &paths[met.path];
                     let (length, is_shiny) = match look {
-                        PictureLook::Geotrace => (0.0, met.look.specular > 0.0),
-                        PictureLook::Crt => (path.length + met.face.t, true),
+                        PictureLook::Geotrace => (0.0, met.specular != DVec3::ZERO),
+                        PictureLook::Crt => (path.length + met.t, true),
                     };
-                    let (position, sample) = (met.face.position, path.light_sample);
-                    places.set(lane, position, met.normal, length, sample);
+                    places.set(lane, met.position, met.normal, length, path.light_sample);
                     block.used.add(lane, true);
                     block.shiny.add(lane, is_shiny);
                     let medium = path.media.last();
                     let is_tinted = medium.is_some_and(|medium| medium.colour != DVec3::ONE);
                     block.tinted.add(lane, is_tinted);
                     let [r, g, b] = &mut block.scattered;
-                    (r[lane], g[lane], b[lane]) = met.scattered().into();
+                    (r[lane], g[lane], b[lane]) = met.scattered.into();
+                    block.add(lane, met.out);
                 }
                 self.blocks.push(block);
                 self.places.push(places);
@@ -106,37 +106,11 @@ impl LitFaces {
 }
 
 impl LitBlock {
-    /// Adds the light that comes from everywhere.
-    fn add_ambient(&mut self, light: &Light, look: PictureLook, faces: &[MetFace]) {
-        let colour = light.colour.to_array();
-        match look {
-            PictureLook::Geotrace => {
-                for (k, colour) in colour.into_iter().enumerate() {
-                    let scattered = self.scattered[k];
-                    for (out, scattered) in self.out[k].iter_mut().zip(scattered) {
-                        *out += scattered * light.ambient * colour;
-                    }
-                }
-            }
-            PictureLook::Crt => {
-                for lane in self.used.each() {
-                    let look = &faces[self.faces[lane]].look;
-                    self.add(lane, crt::ambient(look, light));
-                }
-            }
-        }
-    }
-
     fn add(&mut self, lane: usize, light: DVec3) {
         let [r, g, b] = &mut self.out;
         r[lane] += light.x;
         g[lane] += light.y;
         b[lane] += light.z;
-    }
-
-    fn at(colours: &[[f64; MOST_LANES]; 3], lane: usize) -> DVec3 {
-        let [r, g, b] = colours;
-        DVec3::new(r[lane], g[lane], b[lane])
     }
 }
 
@@ -184,8 +158,6 @@ pub(super) struct LitFace<'a> {
     pub(super) met: &'a MetFace,
     /// The direction of the ray that comes to the face.
     pub(super) direction: DVec3,
-    /// The colour of what it scatters.
-    scattered: DVec3,
     pub(super) seen: SeenLight,
     /// The cosine of the angle between the direction towards the light and the normal.
     pub(super) height: f64,
@@ -196,17 +168,22 @@ impl LitFace<'_> {
     fn sent(&self, look: PictureLook, light: &Light, visible: DVec3) -> DVec3 {
         match look {
             PictureLook::Geotrace => {
-                let highlight = if self.met.look.specular > 0.0 {
-                    self.met.highlight(self.seen.towards, self.direction)
-                } else {
-                    0.0
-                };
                 let shared = visible * self.seen.share;
-                let scattered = light.colour * self.scattered * self.height;
-                shared * (scattered + light.highlight * highlight)
+                let scattered = light.colour * self.met.scattered * self.height;
+                shared * (scattered + light.highlight * self.highlight())
             }
             PictureLook::Crt => crt::lit(self, light, visible),
         }
+    }
+
+    /// Returns the highlight, as a share of the light by colour.
+    fn highlight(&self) -> DVec3 {
+        let met = self.met;
+        if met.specular == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let half = (self.seen.towards - self.direction).normalize_or_zero();
+        met.specular * met.normal.dot(half).max(0.0).powf(met.shininess)
     }
 }
 
@@ -233,11 +210,6 @@ impl LightTracer<'_> {
         let mut lit = std::mem::take(&mut self.lit);
         lit.fill(scenery.picture_look, paths, faces, by_surface);
         for light in scenery.lights {
-            if light.ambient != 0.0 {
-                for block in &mut lit.blocks {
-                    block.add_ambient(light, scenery.picture_look, faces);
-                }
-            }
             lit.turn(light, self.processor);
             self.operations += lit.blocks.len() as u64 * LIGHT_OPERATIONS;
             let mut begin = 0;
@@ -256,7 +228,8 @@ impl LightTracer<'_> {
         }
         for block in &lit.blocks {
             for lane in block.used.each() {
-                faces[block.faces[lane]].out = LitBlock::at(&block.out, lane);
+                let [r, g, b] = &block.out;
+                faces[block.faces[lane]].out = DVec3::new(r[lane], g[lane], b[lane]);
             }
         }
         self.lit = lit;
@@ -292,7 +265,6 @@ impl LightTracer<'_> {
                 let lit = LitFace {
                     met,
                     direction: path.ray.direction,
-                    scattered: LitBlock::at(&block.scattered, lane),
                     seen: seen.light(lane),
                     height: seen.height[lane],
                 };
@@ -300,7 +272,7 @@ impl LightTracer<'_> {
                     DVec3::ONE
                 } else {
                     let ray = SheetsRay {
-                        origin: met.face.position,
+                        origin: met.position,
                         direction: lit.seen.towards,
                         leaving: met.start.sheet,
                         reach: shadow_distance(picture_look, lit.seen.distance),

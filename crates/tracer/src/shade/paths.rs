@@ -12,6 +12,7 @@ use crate::cast::{Caster, Crossing};
 use crate::line::{Ray, SurfaceId};
 use crate::look::PictureLook;
 use crate::optics::{fresnel, reflected, refracted};
+use crate::shade::crt;
 use crate::shade::lights::LitFaces;
 use crate::shade::{Face, FaceLook, FaceObject, Glass, Scenery};
 use crate::sheet::SheetScratch;
@@ -28,6 +29,8 @@ pub struct LightTracer<'a> {
     pub(super) caster: Caster<'a>,
     pub(super) sheets: SheetScratch,
     pub(super) lit: LitFaces,
+    /// The light that comes from everywhere.
+    ambient: DVec3,
     /// The work on lights so far, in operations.
     pub(super) operations: u64,
 }
@@ -90,11 +93,18 @@ pub(super) struct LightPath {
 pub(super) struct MetFace {
     /// The number of the path.
     pub(super) path: usize,
-    pub(super) face: Face,
-    pub(super) start: Start,
-    pub(super) look: FaceLook,
-    /// The bumped normal.
+    /// The distance from the start of the path.
+    pub(super) t: f64,
+    pub(super) position: DVec3,
+    /// The unit normal on the side of the path's start, and the bumped one.
+    true_normal: DVec3,
     pub(super) normal: DVec3,
+    pub(super) start: Start,
+    /// The share of light that it scatters, by colour.
+    pub(super) scattered: DVec3,
+    /// The strength of the highlight by colour, and its sharpness.
+    pub(super) specular: DVec3,
+    pub(super) shininess: f64,
     /// The share of the light that the glass on the way keeps.
     kept: DVec3,
     /// The shares of what is seen in the face and through it.
@@ -138,11 +148,14 @@ pub(super) fn kept(media: &[Medium], length: f64) -> DVec3 {
 impl<'a> LightTracer<'a> {
     /// Begins with a scenery.
     pub fn new(scenery: &'a Scenery<'a>) -> Self {
+        let lights = scenery.lights.iter();
+        let ambient = lights.map(|light| light.ambient * light.colour);
         Self {
             scenery,
             processor: Processor::here(),
             caster: scenery.world.caster(),
             lit: LitFaces::default(),
+            ambient: ambient.sum(),
             sheets: SheetScratch::default(),
             operations: 0,
         }
@@ -221,11 +234,10 @@ impl<'a> LightTracer<'a> {
             &by_surface,
             |met| met.mirror,
             |path, met| {
-                let (direction, face) = (path.ray.direction, &met.face);
-                let mut away = reflected(direction, met.normal);
+                let mut away = reflected(path.ray.direction, met.normal);
                 // Into the true face: reflected at it once more.
-                if away.dot(face.normal) < 0.0 {
-                    away = reflected(away, face.normal);
+                if away.dot(met.true_normal) < 0.0 {
+                    away = reflected(away, met.true_normal);
                 }
                 Some((away, path.media.clone()))
             },
@@ -310,17 +322,26 @@ impl<'a> LightTracer<'a> {
                 through = look.glass * look.colour;
             }
         }
+        let scattered = look.scattered() * look.colour;
+        let (specular, ambient) = match self.scenery.picture_look {
+            PictureLook::Geotrace => (DVec3::splat(look.specular), scattered),
+            PictureLook::Crt => (look.specular * look.colour, crt::ambient(&look)),
+        };
         MetFace {
             path: number,
-            face,
-            start,
-            look,
+            t: face.t,
+            position: face.position,
+            true_normal: face.normal,
             normal,
+            start,
+            scattered,
+            specular,
+            shininess: look.shininess,
             kept,
             mirror,
             through,
             onward,
-            out: DVec3::ZERO,
+            out: ambient * self.ambient,
         }
     }
 
@@ -355,60 +376,29 @@ impl<'a> LightTracer<'a> {
     /// solid, the caster has the crossings at its place.
     ///
     /// An opaque parametric surface is seen before the face of a solid that it lies on, one of glass is not.
+    #[inline]
     fn nearest(&mut self, index: usize, ray: &Ray, start: Start) -> Option<(Face, Start)> {
-        let Self {
-            scenery,
-            caster,
-            sheets: scratch,
-            ..
-        } = self;
-        let scenery = *scenery;
-        let mut crossings = caster.nearest(index);
+        let scenery = self.scenery;
+        let mut crossings = self.caster.nearest(index);
         let mut seen = scenery.first_seen(crossings);
         if seen.is_none() && !crossings.is_empty() {
-            crossings = caster.cast(ray);
+            crossings = self.caster.cast(ray);
             seen = scenery.first_seen(crossings);
         }
-        let surface = seen.map(|seen| seen.surface);
         let mut flush = None;
         if !scenery.sheets.is_empty() {
-            let [before, mut reach] = seen.map_or([f64::INFINITY; 2], |seen| {
-                let error = FLUSH * (seen.t + ray.origin.abs().max_element());
-                [seen.t - error, seen.t + error]
-            });
-            let mut found = None;
-            let ray = SheetsRay {
-                origin: ray.origin,
-                direction: ray.direction,
-                leaving: start.sheet,
-                reach,
-            };
-            scenery.sheets.cast(scratch, ray, &mut |sheet, hit| {
-                if hit.t < reach && scenery.sees(hit) {
-                    let face = Face::on_sheet(sheet, hit);
-                    let is_flush = hit.t >= before;
-                    if is_flush && (scenery.look)(&face).balanced().glass > 0.0 {
-                        flush = Some((sheet, hit.uv));
-                    } else {
-                        reach = hit.t;
-                        let start = Start {
-                            surface: surface.filter(|_| is_flush),
-                            sheet: Some((sheet, hit.uv)),
-                        };
-                        found = Some((face, start));
-                    }
-                }
-                reach
-            });
+            let found;
+            (found, flush) = scenery.nearest_sheet(&mut self.sheets, ray, start, seen);
             if found.is_some() {
                 return found;
             }
         }
+        let seen = seen?;
         let start = Start {
-            surface,
+            surface: Some(seen.surface),
             sheet: flush,
         };
-        seen.map(|seen| (Face::from(seen), start))
+        Some((Face::from(seen), start))
     }
 
     /// Adds `share` of what is seen from the faces along the directions that `next` gives, with the glass there.
@@ -443,14 +433,14 @@ impl<'a> LightTracer<'a> {
                     numbers.push(k);
                     onward.push(LightPath {
                         ray: Ray {
-                            origin: met.face.position,
+                            origin: met.position,
                             direction,
                             leaving: met.start.surface,
                         },
                         spread: 0.0,
                         start: met.start,
                         weight,
-                        length: path.length + met.face.t,
+                        length: path.length + met.t,
                         bounces: path.bounces - 1,
                         media,
                         light_sample: path.light_sample,
@@ -486,6 +476,47 @@ impl Scenery<'_> {
         self.glass.get(solid).copied().flatten()
     }
 
+    /// The first face of a parametric surface before, or flush with, the face of a solid that a ray sees, with what rays from
+    /// there leave; and a surface of glass that is flush with that face.
+    fn nearest_sheet(
+        &self,
+        scratch: &mut SheetScratch,
+        ray: &Ray,
+        start: Start,
+        seen: Option<&Crossing>,
+    ) -> (Option<(Face, Start)>, Option<(usize, [f64; 2])>) {
+        let [before, mut reach] = seen.map_or([f64::INFINITY; 2], |seen| {
+            let error = FLUSH * (seen.t + ray.origin.abs().max_element());
+            [seen.t - error, seen.t + error]
+        });
+        let (mut found, mut flush) = (None, None);
+        let ray = SheetsRay {
+            origin: ray.origin,
+            direction: ray.direction,
+            leaving: start.sheet,
+            reach,
+        };
+        self.sheets.cast(scratch, ray, &mut |sheet, hit| {
+            if hit.t < reach && self.sees(hit) {
+                let face = Face::on_sheet(sheet, hit);
+                let is_flush = hit.t >= before;
+                if is_flush && (self.look)(&face).balanced().glass > 0.0 {
+                    flush = Some((sheet, hit.uv));
+                } else {
+                    reach = hit.t;
+                    let surface = seen.map(|seen| seen.surface);
+                    let start = Start {
+                        surface: surface.filter(|_| is_flush),
+                        sheet: Some((sheet, hit.uv)),
+                    };
+                    found = Some((face, start));
+                }
+            }
+            reach
+        });
+        (found, flush)
+    }
+
     /// The face that a ray sees first, of crossings by t: of those at one place the first that is opaque, else the first.
     fn first_seen<'c>(&self, crossings: &'c [Crossing]) -> Option<&'c Crossing> {
         let mut seen = crossings.iter().filter(|found| self.is_seen(found));
@@ -514,19 +545,5 @@ impl Scenery<'_> {
             });
             media.sort_by_key(|medium| medium.solid);
         }
-    }
-}
-
-impl MetFace {
-    /// The colour of what it scatters, times the share.
-    pub(super) fn scattered(&self) -> DVec3 {
-        let look = &self.look;
-        look.scattered() * look.colour
-    }
-
-    /// The highlight of light from `towards` that leaves against `direction`.
-    pub(super) fn highlight(&self, towards: DVec3, direction: DVec3) -> f64 {
-        let half = (towards - direction).normalize_or_zero();
-        self.look.specular * self.normal.dot(half).max(0.0).powf(self.look.shininess)
     }
 }
