@@ -152,7 +152,7 @@ impl Default for LensCamera {
 
 impl SampleAxes {
     /// The place of a sample of a pixel.
-    #[inline]
+    #[inline(always)]
     pub fn sample(self, pixel: [u32; 2], sample: u32) -> Sample {
         let steps: &[u32] = match (self.lens, self.lights) {
             (false, false) => &STEPS_2,

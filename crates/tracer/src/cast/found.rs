@@ -14,7 +14,7 @@ const BESIDE: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 
 impl Caster<'_> {
     /// Returns the crossing where a ray passes a surface of a solid.
-    #[inline]
+    #[inline(always)]
     pub(super) fn passed(
         &mut self,
         ray: &Ray,
@@ -61,7 +61,7 @@ impl Caster<'_> {
     }
 
     /// Returns the crossing of an event on a ray, with the normal.
-    #[inline]
+    #[inline(always)]
     pub(super) fn crossing(
         &mut self,
         ray: &Ray,

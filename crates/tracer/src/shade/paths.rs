@@ -376,7 +376,7 @@ impl<'a> LightTracer<'a> {
     /// solid, the caster has the crossings at its place.
     ///
     /// An opaque parametric surface is seen before the face of a solid that it lies on, one of glass is not.
-    #[inline]
+    #[inline(always)]
     fn nearest(&mut self, index: usize, ray: &Ray, start: Start) -> Option<(Face, Start)> {
         let scenery = self.scenery;
         let mut crossings = self.caster.nearest(index);
