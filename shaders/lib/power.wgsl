@@ -1,4 +1,4 @@
-// Powers, products and comparisons in f32, with the semantics of expressions.
+// Powers, products, comparisons and functions that WGSL lacks in f32, with the semantics of expressions.
 
 // Returns x^n for an integer n by repeated squaring, with the same multiplications as in every other evaluator; 0^0 is 1, a
 // negative exponent is the reciprocal of the positive power.
@@ -36,6 +36,12 @@ fn power(x: f32, y: f32) -> f32 {
         return pow(-x, y);
     }
     return undefined();
+}
+
+// Returns 1/cosh(x), without an infinity on the way.
+fn sech(x: f32) -> f32 {
+    let part = exp(-abs(x));
+    return 2.0 * part / (1.0 + part * part);
 }
 
 // Returns the product that a zero first factor annihilates: 0 if a is 0, whatever b is.

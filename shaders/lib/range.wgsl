@@ -299,6 +299,16 @@ fn range_tanh(a: Range) -> Range {
     return chained(value, first, a);
 }
 
+fn range_sech(a: Range) -> Range {
+    let size = abs(a.value);
+    let most = max(size.x, size.y);
+    let least = select(min(size.x, size.y), 0.0, has_zero(a.value));
+    let part = exponential_of(vec2f(-most, -least));
+    let value = widened(2.0 * part / (1.0 + part * part), 4.0 * RANGE_ROUNDING);
+    let first = product_of(value, -range_tanh(a).value.yx);
+    return chained(clamp(value, vec2f(0.0), vec2f(1.0)), first, a);
+}
+
 // Returns a^n for an integer n above 0.
 fn whole_power_of(a: vec2f, n: u32) -> vec2f {
     let most = max(abs(a.x), abs(a.y));

@@ -221,6 +221,10 @@ fn unary<T: Real, const N: usize>(op: Unary, registers: &mut [[T; N]], x: usize,
         Unary::Sinh => registers[to] = T::sinh_cosh(&{ registers[x] }).0,
         Unary::Cosh => registers[to] = T::sinh_cosh(&{ registers[x] }).1,
         Unary::Tanh => registers[to] = T::tanh(&{ registers[x] }),
+        Unary::Sech => {
+            let (_, cosh) = T::sinh_cosh(&{ registers[x] });
+            registers[to] = cosh.map(|cosh| T::ONE / cosh);
+        }
         Unary::Sqrt => each!(registers[to], |x| x.sqrt()),
         Unary::Asin => each!(registers[to], |x| x.asin()),
         Unary::Acos => each!(registers[to], |x| x.acos()),

@@ -186,6 +186,16 @@ const ANCHORS: &[(Operation, [f64; 2], f64)] = &[
         [-0.125, 0.0],
         -0.12435300177159621,
     ),
+    (
+        Operation::Unary(Unary::Sech),
+        [1.5, 0.0],
+        0.4250960349422805,
+    ),
+    (
+        Operation::Unary(Unary::Sech),
+        [-0.125, 0.0],
+        0.9922380414751257,
+    ),
     (Operation::Unary(Unary::Abs), [-2.5, 0.0], 2.5),
     (Operation::Unary(Unary::Abs), [0.5, 0.0], 0.5),
     (Operation::Unary(Unary::Abs), [0.0, 0.0], 0.0),

@@ -36,6 +36,7 @@ impl Graph {
                     | Unary::Sinh
                     | Unary::Cosh
                     | Unary::Tanh
+                    | Unary::Sech
                     | Unary::Abs,
                     _,
                 ) => continue,

@@ -4,7 +4,7 @@
 //! of them fused, so that the bits are the same on every processor. Polynomials are minimax (Remez, relative to the
 //! function), rounded to f64. Argument reduction follows Cody and Waite, *Software Manual for the Elementary
 //! Functions*, 1980. The largest errors found over millions of arguments, in ulps of the true value: `sin`, `cos`,
-//! `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh` 3. The sign of a zero is not preserved.
+//! `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh`, `sech` 3. The sign of a zero is not preserved.
 //!
 //! Angles beyond [`LARGEST_ANGLE`] are passed to `std` lane by lane; so are the inverse trigonometric functions.
 
@@ -147,6 +147,12 @@ pub fn tanh<const W: usize>(x: &[f64; W]) -> [f64; W] {
         let (sinh, cosh) = hyperbolic(x);
         sinh / cosh
     })
+}
+
+/// Hyperbolic secant.
+#[inline(always)]
+pub fn sech<const W: usize>(x: &[f64; W]) -> [f64; W] {
+    each(x, |x| 1.0 / hyperbolic(x).1)
 }
 
 #[inline(always)]

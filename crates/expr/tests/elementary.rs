@@ -172,6 +172,8 @@ fn hyperbolic_functions_are_those_of_std() {
         f64::cosh,
     );
     check("tanh", 3.0, &all, |x| elementary::tanh(&[x])[0], f64::tanh);
+    let sech = |x: f64| 1.0 / x.cosh();
+    check("sech", 3.0, &all, |x| elementary::sech(&[x])[0], sech);
 }
 
 #[test]

@@ -158,6 +158,7 @@ fn slopes_of_every_unary_operation_are_those_of_dual_numbers() {
                 Unary::Sinh => x.sinh(),
                 Unary::Cosh => x.cosh(),
                 Unary::Tanh => x.tanh(),
+                Unary::Sech => x.cosh().recip(),
                 Unary::Abs if at < 0.0 => -x,
                 Unary::Abs => x,
                 Unary::Sign => Dual2_64::from(at.signum()),

@@ -49,6 +49,12 @@ impl Interval {
                 let (least, most) = x.sizes();
                 Self::new(below(least.cosh(), ULPS), above(most.cosh(), ULPS)).at_least(1.0)
             }
+            Unary::Sech => {
+                let (least, most) = x.sizes();
+                let sech = |x: f64| Unary::Sech.eval(x);
+                let y = Self::new(below(sech(most), ULPS), above(sech(least), ULPS));
+                Self::exact(y.lower.max(0.0), y.upper.min(1.0))
+            }
             Unary::Tanh => {
                 let y = x.rising(f64::tanh);
                 Self::exact(y.lower.max(-1.0), y.upper.min(1.0))

@@ -85,6 +85,7 @@ pub(super) enum Op {
     Acos,
     Atan,
     Tanh,
+    Sech,
     Abs,
     Sign,
 }
@@ -347,6 +348,7 @@ fn unary_op(op: Unary) -> Op {
         Unary::Atan => Op::Atan,
         Unary::Sinh | Unary::Cosh => Op::SinhCosh,
         Unary::Tanh => Op::Tanh,
+        Unary::Sech => Op::Sech,
         Unary::Abs => Op::Abs,
         Unary::Sign => Op::Sign,
     }

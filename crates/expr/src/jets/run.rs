@@ -281,6 +281,7 @@ where
         Op::Exp => one!(elementary::exp),
         Op::Log => one!(elementary::log),
         Op::Tanh => one!(elementary::tanh),
+        Op::Sech => one!(elementary::sech),
         Op::SinCos => pair!(elementary::sin_cos),
         Op::SinhCosh => pair!(elementary::sinh_cosh),
     }

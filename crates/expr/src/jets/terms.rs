@@ -193,7 +193,7 @@ impl Arithmetic for TermBuilder {
                 self.positive(Micro::Unary(op, a.id)).signed(a.negative)
             }
             // Even functions drop it.
-            Unary::Cos | Unary::Cosh | Unary::Abs => {
+            Unary::Cos | Unary::Cosh | Unary::Sech | Unary::Abs => {
                 let a = self.whole(a);
                 self.positive(Micro::Unary(op, a.id))
             }

@@ -233,19 +233,37 @@ unary_operations! {
     /// Hyperbolic tangent.
     Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
     eval: |x| x.tanh(),
-    // 1 − tanh² x would lose its digits with growing x.
+    // 1 − tanh² x would lose its digits with growing x, and the derivatives of 1/cosh² x would be 0·∞.
     derivative: "x'/cosh^2 x", |g, x, _y, dx| {
-        let cosh = g.unary(Unary::Cosh, x);
-        let square = g.mul(cosh, cosh);
-        g.div(dx, square)
+        let sech = g.unary(Unary::Sech, x);
+        let square = g.mul(sech, sech);
+        g.mul(square, dx)
+    },
+    slopes: |n, x, y| {
+        let minus_two = n.constant(-2.0);
+        let sech = n.unary(Unary::Sech, x);
+        let first = n.mul(sech, sech);
+        let twice = n.mul(minus_two, y);
+        [first, n.mul(twice, first)]
+    };
+
+    /// Hyperbolic secant: 1/cosh x.
+    Sech = "sech", builtin: None, wgsl: Wgsl::Library("sech"),
+    eval: |x| 1.0 / x.cosh(),
+    derivative: "-x' tanh x/cosh x", |g, x, y, dx| {
+        let tanh = g.unary(Unary::Tanh, x);
+        let first = g.mul(y, tanh);
+        let product = g.mul(first, dx);
+        g.neg(product)
     },
     slopes: |n, x, y| {
         let (one, minus_two) = (n.constant(1.0), n.constant(-2.0));
-        let cosh = n.unary(Unary::Cosh, x);
-        let square = n.mul(cosh, cosh);
-        let first = n.div(one, square);
-        let twice = n.mul(minus_two, y);
-        [first, n.mul(twice, first)]
+        let tanh = n.unary(Unary::Tanh, x);
+        let first = n.mul(y, tanh);
+        let square = n.mul(y, y);
+        let twice = n.mul(minus_two, square);
+        let sum = n.add(one, twice);
+        [n.neg(first), n.mul(y, sum)]
     };
 
     /// Absolute value. Its derivative at zero is taken to be zero.
