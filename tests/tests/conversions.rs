@@ -107,6 +107,43 @@ Scene {
     assert!(text.contains("\nsolid "), "{text}");
 }
 
+#[test]
+fn the_image_of_a_script_in_another_folder_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [scripts, programs] = ["scripts", "programs"].map(|name| folder.path().join(name));
+    std::fs::create_dir_all(scripts.join("sub")).expect("a folder");
+    std::fs::create_dir(&programs).expect("a folder");
+    let blue = image::Rgb([0, 0, 255]);
+    for file in ["sky.png", "sub/sky.png"] {
+        let image = image::RgbImage::from_pixel(8, 4, blue);
+        image.save(scripts.join(file)).expect("written");
+    }
+    for (image, by_option) in [("sky", false), ("sub/sky", true), ("sub/sky.png", true)] {
+        let script = format!(
+            "Settings {{ background -> Background {{ image -> \"{image}\" }} }}\nScene {{ }}\n"
+        );
+        std::fs::write(scripts.join("s.crt"), script).expect("written");
+        geotrace(["convert", "../scripts/s.crt", "-o", "s.gtr"])
+            .folder(&programs)
+            .run()
+            .expect_status(0);
+        let text = std::fs::read_to_string(programs.join("s.gtr")).expect("written");
+        assert_eq!(text.contains("--texture"), by_option, "{text}");
+        let command = text
+            .lines()
+            .find_map(|line| line.strip_prefix("# geotrace "));
+        let command = command.expect("a command").split_whitespace();
+        let command = command.filter(|word| !word.starts_with("--size"));
+        let options = ["--size", "16x16", "--images", "../scripts"];
+        let picture = draw(
+            &programs,
+            &command.chain(options).collect::<Vec<_>>(),
+            "s.png",
+        );
+        assert_eq!(picture.get_pixel(8, 8).0, [0, 0, 255], "{image}");
+    }
+}
+
 /// Everything that a script may state, in one picture.
 const ALL: &str = r#"
 x = Sphere { center -> vec3(0, 0.3, 0)  radius -> 0.8  material -> Material { color -> rgb(1.6, 0.4, 0.2)  specularity -> 0.4  shininess -> 9 } }

@@ -40,7 +40,7 @@ fn the_image_of_the_background_is_the_script_s_file() {
         ("sky.jpeg", true, Some("--texture=sky2=sky.jpeg")),
         ("sky.PNG", false, Some("--texture=sky2=sky.PNG")),
         ("sky.png.webp", false, Some("--texture=sky2=sky.png.webp")),
-        ("sky", false, Some("--texture=sky2=sky")),
+        ("sky", true, None),
         ("a/b.png", false, Some("--texture=sky2=a/b.png")),
     ] {
         let sphere = "sky = Sphere { center -> vec3(0, 0, 0) radius -> 1 }";

@@ -96,7 +96,8 @@ pub(super) struct Arguments {
     backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left edge is at u min, its top edge at v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature: blue, white at 0, red; `SURFACE=plain` shows its colour alone. A solid shows its image at
-    /// its `uv`, a background all around
+    /// its `uv`, a background all around. A file that the current folder does not have is sought beside the program and
+    /// in `--images`
     #[arg(long, value_name = "OBJECT=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
     /// A folder with the images that the program names, such as `image : earth`, if they are not beside it

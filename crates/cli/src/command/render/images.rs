@@ -1,5 +1,6 @@
 //! The images of objects: options and a program flow in, textures for the values of params flow out.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -124,8 +125,10 @@ pub(in crate::command) fn textures(
         }
     }
     for file in files {
-        let load =
-            || Texture::load(&file.path, &budget).map_err(|error| texture_failure(file, error));
+        let load = || {
+            let path = sought(&file.path, &folders);
+            Texture::load(&path, &budget).map_err(|error| texture_failure(file, error))
+        };
         let background = scene.background();
         if let Some(object) = background.filter(|object| object.name == file.object) {
             refuse_word(file, object.shape.kind())?;
@@ -155,6 +158,15 @@ pub(in crate::command) fn textures(
         }
     }
     Ok(images)
+}
+
+/// Returns the file of an option: in the current folder, or else where images are sought that the program names.
+fn sought<'a>(path: &'a Path, folders: &[PathBuf]) -> Cow<'a, Path> {
+    if path.is_absolute() || path.exists() {
+        return path.into();
+    }
+    let named = path.to_str().and_then(|name| named_file(name, folders));
+    named.map_or(path.into(), Cow::Owned)
 }
 
 /// Refuses a word in place of a file for an object other than a surface or a metric.

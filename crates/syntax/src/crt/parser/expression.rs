@@ -87,8 +87,8 @@ impl<A: Actions> Parser<'_, '_, A> {
             self.advance();
             let right = self.current;
             self.binary(operator.level() + 1);
-            if operator == BinaryOperator::Divide && left == first && right == self.previous {
-                self.check_fraction(left, right);
+            if operator == BinaryOperator::Divide && right == self.previous {
+                self.check_fraction(first, left, right);
             }
             self.step(ParseStep::Binary(operator, span), start);
         }
@@ -390,8 +390,18 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.step(ParseStep::Macro(names.len()), start);
     }
 
-    /// Warns about a quotient of whole numbers whose fraction is dropped.
-    fn check_fraction(&mut self, left: Token, right: Token) {
+    /// Warns about a quotient of whole numbers whose fraction is dropped; `first` is the number on the left, or its sign.
+    fn check_fraction(&mut self, first: Token, left: Token, right: Token) {
+        let is_next = || {
+            let between = first.span.end as usize..left.span.start as usize;
+            let text = self.source.get(between);
+            text.is_some_and(|text| text.trim().is_empty())
+        };
+        let sign = match first.kind {
+            TokenKind::Minus if is_next() => -1,
+            _ if first == left => 1,
+            _ => return,
+        };
         let [a, b] = [left, right].map(|token| match token.kind {
             TokenKind::Integer => token.span.text(self.source).parse::<i32>().ok(),
             _ => None,
@@ -402,8 +412,9 @@ impl<A: Actions> Parser<'_, '_, A> {
         if b == 0 || a % b == 0 {
             return;
         }
-        let place = left.span.to(right.span);
-        let (text, quotient) = (quote(place.text(self.source)), a / b);
+        let a = sign * a;
+        let place = first.span.to(right.span);
+        let (text, quotient) = (quote(&format!("{a}/{b}")), a / b);
         let message = format!("{text} is {quotient}: `/` of whole numbers drops the fraction");
         let diagnostic = Diagnostic::warning(codes::DROPPED_FRACTION, place, message)
             .with_hint(format!("write `{a} / {b}.0` for the number"))
