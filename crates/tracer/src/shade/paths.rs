@@ -44,13 +44,16 @@ pub(super) struct Medium {
     pub(super) colour: DVec3,
 }
 
+/// A parametric surface, with the parameters of a place on it.
+type SheetPlace = (usize, [f64; 2]);
+
 /// The surfaces that rays leave at a face: its own, and those that are flush with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Start {
     /// The surface of a solid.
     pub(super) surface: Option<SurfaceId>,
-    /// The parametric surface, with the parameters there.
-    pub(super) sheet: Option<(usize, [f64; 2])>,
+    /// The parametric surface.
+    pub(super) sheet: Option<SheetPlace>,
 }
 
 /// The place on lights, and the cone, of a ray from the eye.
@@ -484,7 +487,7 @@ impl Scenery<'_> {
         ray: &Ray,
         start: Start,
         seen: Option<&Crossing>,
-    ) -> (Option<(Face, Start)>, Option<(usize, [f64; 2])>) {
+    ) -> (Option<(Face, Start)>, Option<SheetPlace>) {
         let [before, mut reach] = seen.map_or([f64::INFINITY; 2], |seen| {
             let error = FLUSH * (seen.t + ray.origin.abs().max_element());
             [seen.t - error, seen.t + error]
