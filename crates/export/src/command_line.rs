@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use render::figure::Figure;
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
+use render::request::part::ViewPart;
 use render::request::{Overlays, Spacing};
 use render::shared::Shared;
 use render::style::Theme;
@@ -96,12 +97,14 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
     settings(&mut options, request, views);
     params(&mut options, request);
     space(&mut options, request);
-    if let Some(camera) = view.shown_camera() {
+    if let Some(camera) = view.shown_camera().filter(|_| traced.is_none()) {
         geodesic_camera(&mut options, request, camera);
     }
     objects(&mut options, request);
-    over(&mut options, overlays);
-    self::trails(&mut options, request, trails);
+    over(&mut options, view, overlays);
+    if traced.is_none() {
+        self::trails(&mut options, request, trails);
+    }
     if *scale != 1.0 {
         options.add("scale", scale.to_string());
     }
@@ -209,7 +212,8 @@ fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
         }
     }
     let is_flat = camera.projection == Projection::Orthographic;
-    options.flag("orthographic", is_flat);
+    let is_traced = request.view.get::<TracedOptions>().is_some();
+    options.flag("orthographic", is_flat && !is_traced);
     if let Some(colour) = space.background {
         let digits = if colour[3] == 255 { 3 } else { 4 };
         options.add("background", hexadecimal(&colour[..digits]));
@@ -321,7 +325,8 @@ fn texture(request: &PictureRequest, id: ObjectId) -> Option<String> {
     }
 }
 
-fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
+/// Adds what is drawn over the picture of a view.
+fn over(options: &mut Vec<PictureOption>, view: &ViewPart, overlays: &Overlays) {
     let Overlays {
         legend,
         wavefronts,
@@ -332,13 +337,20 @@ fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
         axes,
         hidden_lines,
     } = *overlays;
-    options.flag("legend", legend);
     options.flag("labels", labels);
-    options.flag("axes", axes);
-    options.flag("hidden-lines", hidden_lines);
+    if view.get::<TracedOptions>().is_some() {
+        return;
+    }
+    options.flag("legend", legend);
+    let is_inside = view.geodesic_camera().is_some();
+    options.flag("axes", axes && !is_inside);
+    options.flag("hidden-lines", hidden_lines && !is_inside);
+    options.flag("cut-locus", cut_locus && is_inside);
+    options.flag("error", error && is_inside);
+    if view.shown_camera().is_none() {
+        return;
+    }
     options.flag("conjugate", conjugate_points);
-    options.flag("cut-locus", cut_locus);
-    options.flag("error", error);
     match wavefronts {
         None => {}
         Some(Spacing::Auto) => options.flag("wavefronts", true),

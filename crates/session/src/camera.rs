@@ -19,6 +19,9 @@ pub struct SpaceCamera {
     /// The tangent of half the field of view along the picture's shorter side.
     #[serde(default = "usual_tangent")]
     pub tangent: f64,
+    /// The angle by which the picture's right is turned towards its up, in radians.
+    #[serde(default)]
+    pub roll: f64,
 }
 
 /// Returns the tangent of half the field of view where no camera is declared.
@@ -42,6 +45,7 @@ impl SpaceCamera {
             && self.radius.is_finite()
             && self.tangent.is_finite()
             && self.tangent > 0.0
+            && self.roll.is_finite()
     }
 
     fn distance(&self) -> f64 {
@@ -58,7 +62,7 @@ impl SpaceCamera {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
     }
 
-    /// Returns the horizontal unit vector to the right. Straight down it is x, and straight up −x: y is up in the
+    /// Returns the horizontal unit vector to the right, without the roll. Straight down it is x, and straight up −x: y is up in the
     /// picture.
     fn right(&self) -> DVec3 {
         let forward = self.forward();
@@ -69,10 +73,20 @@ impl SpaceCamera {
         forward.cross(DVec3::Z).normalize_or(upright)
     }
 
-    /// Returns the unit vectors to the right, up, and from the target to the eye.
+    /// Returns the unit vectors to the right and up in the picture, and from the target to the eye.
     pub fn axes(&self) -> [DVec3; 3] {
-        let (right, back) = (self.right(), -self.forward());
+        let (level, back) = (self.right(), -self.forward());
+        let (sin, cos) = self.roll.sin_cos();
+        let right = cos * level + sin * back.cross(level);
         [right, back.cross(right), back]
+    }
+
+    /// Returns the camera with its picture turned so that this unit vector is to the right.
+    #[must_use]
+    pub(crate) fn rolled(self, right: DVec3) -> Self {
+        let [level, up, _] = Self { roll: 0.0, ..self }.axes();
+        let roll = right.dot(up).atan2(right.dot(level));
+        Self { roll, ..self }
     }
 
     /// Returns the camera turned about its target, with its eye in a direction: a vector from the target to the eye.
@@ -122,8 +136,7 @@ impl SpaceCamera {
 
     /// Returns the step in the picture's plane, to the right and up, in fractions of the distance to its target.
     fn in_plane(&self, by: DVec2) -> DVec3 {
-        let right = self.right();
-        let up = right.cross(self.forward());
+        let [right, up, _] = self.axes();
         (right * by.x + up * by.y) * self.distance()
     }
 
@@ -174,7 +187,11 @@ impl SpaceCamera {
             radius: home.radius,
             ..self
         };
-        camera.with(target - self.forward() * home.distance(), target)
+        // A ball that touches the sides of the picture is as far away as this.
+        let distance = |tangent: f64| 1.0 / tangent.atan().sin();
+        let farther = distance(self.tangent) / distance(home.tangent);
+        let distance = home.distance() * farther;
+        camera.with(target - self.forward() * distance, target)
     }
 
     /// Returns the camera nearer by a factor below 1, or farther by one above, to the point `towards` in the plane of

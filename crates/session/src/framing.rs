@@ -103,13 +103,16 @@ impl Framing {
         // A declared camera may look away from the centre of the scene.
         let ahead = if ahead > NEAREST_TARGET { ahead } else { 1.0 };
         let [across, upward] = camera.half_tangents();
+        let right = camera.axes[0];
         let camera = SpaceCamera {
             eye: world(camera.eye),
             target: world(camera.eye - camera.axes[2] * ahead),
             radius,
             moved: false,
             tangent: across.min(upward),
+            roll: 0.0,
         };
+        let camera = camera.rolled(right);
         self.known = Some((key, camera));
         Ok(camera)
     }

@@ -111,10 +111,8 @@ fn sliders(ui: &mut Ui, colour: &mut [u8; 3]) {
     ];
     for ((name, most, unit), part) in rows.into_iter().zip(&mut parts) {
         let label = ui.label(name);
-        let slider = Slider::new(part, 0.0..=most)
-            .suffix(unit)
-            .custom_formatter(|number, _| format!("{number:.0}"));
-        let slider = number_field::of_slider(ui, slider);
+        let slider = Slider::new(part, 0.0..=most).suffix(unit);
+        let slider = number_field::of_slider(ui, slider, |number, _| format!("{number:.0}"));
         let slider = ui.add(slider).labelled_by(label.id);
         is_moved |= slider.changed();
         ui.end_row();

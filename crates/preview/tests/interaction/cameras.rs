@@ -70,6 +70,43 @@ fn each_key_of_the_3d_camera_moves_it_along_its_axis_and_its_opposite_brings_it_
     }
 }
 
+/// A ball of radius 1, and a camera that looks at it through a narrow lens.
+const LENS: &str = "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;
+camera eye = (0, 9, 0) @ (0, -9, 0), fov : 0.3;";
+
+#[test]
+fn a_declared_camera_that_is_reset_twice_can_still_be_moved() {
+    let mut hand = Hand::on(LENS);
+    let at = hand.space().center();
+    let first = hand.eye();
+    for _ in 0..2 {
+        hand.harness.hover_at(at);
+        hand.press(Modifiers::NONE, Key::R);
+        hand.settle();
+        assert_eq!(hand.eye(), first);
+    }
+    hand.hold(Key::W, 8);
+    assert_ne!(hand.eye(), first);
+}
+
+#[test]
+fn all_is_framed_through_the_lens_of_the_declared_camera() {
+    let mut hand = Hand::on(LENS);
+    hand.hold(Key::W, 8);
+    let at = hand.space().center();
+    hand.harness.hover_at(at);
+    hand.press(Modifiers::NONE, Key::F);
+    hand.settle();
+    let (eye, _) = hand.eye();
+    // At this distance the ball's outline touches the upper and lower sides.
+    let least = 1.0 / 0.15_f64.sin();
+    let distance = length(eye);
+    assert!(
+        (least..1.5 * least).contains(&distance),
+        "{distance} of {least}"
+    );
+}
+
 #[test]
 fn f_frames_everything_and_r_and_home_reset_the_3d_camera() {
     let mut hand = Hand::on(SPHERE);

@@ -16,6 +16,7 @@ fn a_file_that_goes_is_reported_and_its_text_and_picture_stay() {
     hand.until("it is back", |hand| {
         hand.window().model().object("back").is_some()
     });
+    assert!(!hand.shows("the file cannot be read"));
 }
 
 #[test]

@@ -62,6 +62,28 @@ fn the_rows_of_params_stand_in_columns_whatever_their_names_and_values() {
 }
 
 #[test]
+fn a_field_that_was_not_edited_leaves_its_number() {
+    let mut hand = Hand::on(
+        "param third = 1/3 : [0, 1];\nparam tiny = 5e-10 : [0, 1e-9];\npoint p = (third, 1e9 tiny, 0);\n",
+    );
+    hand.settings("Preferences");
+    hand.click("Update the program when a slider is released");
+    hand.settings("Params");
+    let text = hand.window().text().map(str::to_owned);
+    for name in ["third", "tiny"] {
+        hand.click_on(Role::SpinButton, name);
+        hand.harness.run_steps(2);
+        hand.press(Modifiers::NONE, Key::Tab);
+        hand.settle();
+    }
+    assert!(hand.window().model().choices.params.is_empty());
+    assert_eq!(hand.window().text(), text.as_deref());
+    // What is typed counts, if it differs from what is displayed.
+    hand.type_number(Role::SpinButton, "third", "0");
+    assert_eq!(hand.param("third"), 0.0);
+}
+
+#[test]
 fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_stopped() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Animate r");

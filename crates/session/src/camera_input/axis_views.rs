@@ -196,6 +196,7 @@ mod tests {
             radius: 2.0,
             moved: false,
             tangent: 0.5,
+            roll: 0.0,
         });
         model
     }

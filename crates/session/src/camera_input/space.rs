@@ -129,6 +129,7 @@ mod tests {
         radius: 2.0,
         moved: false,
         tangent: 0.5,
+        roll: 0.0,
     };
 
     fn close(a: [f64; 3], b: [f64; 3]) -> bool {

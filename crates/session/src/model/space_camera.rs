@@ -41,9 +41,13 @@ impl Model {
 
     /// Opens the views in space from a declared camera.
     pub fn look_through(&mut self, camera: &str) {
+        let current = self.declared_camera().filter(|it| it.name == camera);
+        let is_there = current.is_some() && self.is_at_declared_camera();
         self.change(Step::new("Look through a camera", ""), |choices| {
             choices.preferences.camera = Some(camera.to_owned());
-            choices.space = None;
+            if !is_there {
+                choices.space = None;
+            }
         });
         self.history.settle();
     }
@@ -51,6 +55,12 @@ impl Model {
     /// Returns whether the views in space are seen from a declared camera: the user has not moved away.
     pub fn follows_declared_camera(&self) -> bool {
         self.choices.space.is_none_or(|camera| !camera.moved) && self.declared_camera().is_some()
+    }
+
+    /// Returns true if the camera in space is known to be where the declared one is. It must not be forgotten then: no
+    /// picture would tell it anew.
+    fn is_at_declared_camera(&self) -> bool {
+        self.choices.space.is_some() && self.follows_declared_camera()
     }
 
     /// Moves the camera in space: a step that is joined with the earlier ones of the same `gesture`.
@@ -61,6 +71,9 @@ impl Model {
 
     /// Returns the camera in space to its initial direction, where it sees everything.
     pub fn reset_space(&mut self) {
+        if self.is_at_declared_camera() {
+            return;
+        }
         let step = Step::new("Reset the 3D camera", "");
         self.change(step, |choices| choices.space = None);
         self.history.settle();

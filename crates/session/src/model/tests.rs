@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use render::view::space::SpaceView;
 use scene::ObjectId;
 
@@ -392,7 +392,42 @@ fn camera() -> SpaceCamera {
         radius: 2.0,
         moved: false,
         tangent: 0.3,
+        roll: 0.0,
     }
+}
+
+#[test]
+fn a_declared_camera_that_is_followed_is_not_forgotten() {
+    let mut model =
+        model("camera eye = (0, 1, 0) @ (0, -3, 0); camera other = (1, 0, 0) @ (0, 0, 0);");
+    model.take_first_camera(camera());
+    model.reset_space();
+    assert_eq!(model.choices.space, Some(camera()));
+    model.look_through("eye");
+    assert_eq!(model.choices.space, Some(camera()));
+    model.look_through("other");
+    assert_eq!(model.choices.space, None);
+}
+
+#[test]
+fn a_rolled_camera_moves_and_shows_its_axes_as_the_picture_is_turned() {
+    let level = camera();
+    let rolled = SpaceCamera {
+        roll: std::f64::consts::FRAC_PI_2,
+        ..level
+    };
+    let [right, up, back] = level.axes();
+    let turned = rolled.axes();
+    for (found, expected) in turned.into_iter().zip([up, -right, back]) {
+        assert!(found.distance(expected) < 1e-12, "{found}");
+    }
+    // To the right in the rolled picture is up in the level one.
+    let by = |camera: SpaceCamera, x: f64, y: f64| {
+        let moved = camera.panned(DVec2::new(x, y));
+        DVec3::from(moved.target) - DVec3::from(camera.target)
+    };
+    assert!(by(rolled, 0.2, 0.0).distance(by(level, 0.0, 0.2)) < 1e-12);
+    assert!(by(rolled, 0.0, 0.2).distance(by(level, -0.2, 0.0)) < 1e-12);
 }
 
 #[test]

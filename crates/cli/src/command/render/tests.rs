@@ -208,7 +208,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         }
         .into(),
     };
-    let shows_camera = !is_space || random.often();
+    let shows_camera = !is_space || (!is_traced && random.often());
     if shows_camera {
         view.show_camera(camera);
     }
@@ -218,7 +218,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         space.camera = Viewpoint {
             eye: random.often().then_some(places[0]),
             target: random.often().then_some(places[1]),
-            projection: match random.often() {
+            projection: match !is_traced && random.often() {
                 true => Projection::Orthographic,
                 false => Projection::Perspective,
             },
@@ -264,10 +264,10 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         }
     }
     request.overlays = Overlays {
-        legend: random.often(),
+        legend: !is_traced && random.often(),
         labels: random.often(),
-        axes: is_space && random.often(),
-        hidden_lines: is_space && random.often(),
+        axes: is_space && !is_traced && random.often(),
+        hidden_lines: is_space && !is_traced && random.often(),
         cut_locus: !is_space && random.often(),
         error: !is_space && random.often(),
         conjugate_points: shows_camera && random.often(),

@@ -35,10 +35,12 @@ pub(crate) struct PictureDialog {
 const RESOLUTIONS: [u32; 3] = [1, 2, 4];
 
 impl PictureDialog {
-    /// Returns the size of the picture in pixels.
+    /// Returns the size of the picture in pixels: with the sides in their ratio, also where there would be too many.
     fn pixels(&self) -> [u32; 2] {
         let pixels = self.size.map(|side| side.saturating_mul(self.resolution));
-        pixels.map(|side| side.min(render::MAX_SIDE))
+        let most = pixels[0].max(pixels[1]).max(1);
+        let share = f64::from(render::MAX_SIDE.min(most)) / f64::from(most);
+        pixels.map(|side| (share * f64::from(side)).round() as u32)
     }
 
     /// Returns the request for the picture, with the dialog's input.

@@ -16,6 +16,9 @@ use crate::io::link::LinkEvent;
 use crate::io::watch::ChangedFile;
 use crate::ui::panes::settings::SettingsTab;
 
+/// The beginning of the sentence about a file that is gone or is no text.
+const UNREADABLE: &str = "the file cannot be read";
+
 impl Window {
     /// Handles all events that have arrived. Returns whether there were any.
     pub(super) fn handle_events(&mut self) -> bool {
@@ -188,13 +191,14 @@ impl Window {
         }
         match changed.text {
             Ok(text) => {
+                self.status_message
+                    .take_if(|it| it.text.starts_with(UNREADABLE));
                 if editor.take_changed(text) {
                     self.text.compile();
                 }
             }
             Err(reason) => {
-                let sentence =
-                    format!("the file cannot be read ({reason}); its last text is kept here");
+                let sentence = format!("{UNREADABLE} ({reason}); its last text is kept here");
                 self.status_message = Some(StatusMessage::error(sentence));
             }
         }

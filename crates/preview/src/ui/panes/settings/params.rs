@@ -66,7 +66,7 @@ impl Columns {
                 name = name.max(text_width(ui, name_of(param, k), TextStyle::Body));
                 let decimals = decimals(range.max - range.min);
                 for end in [range.min, range.max] {
-                    let text = format!("{end:.decimals$}");
+                    let text = number_field::displayed(end, decimals..=decimals);
                     let field = text_width(ui, text, ui.style().drag_value_text_style.clone());
                     value = value.max(field + 2.0 * ui.spacing().button_padding.x);
                 }
@@ -144,12 +144,9 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
         ui.spacing_mut().interact_size.x = columns.value;
         // Only the displayed number is rounded: a slider with few decimals would round the value itself in each frame.
         let decimals = decimals(range.max - range.min);
-        let slider = Slider::new(&mut moved, range.min..=range.max)
-            .custom_formatter(move |value, _| {
-                egui::emath::format_with_decimals_in_range(value, 0..=decimals)
-            })
-            .smart_aim(false);
-        let slider = number_field::of_slider(ui, slider);
+        let slider = Slider::new(&mut moved, range.min..=range.max).smart_aim(false);
+        let displayed = move |value, _| number_field::displayed(value, 0..=decimals);
+        let slider = number_field::of_slider(ui, slider, displayed);
         let slider = ui.add(slider).accessible_name(&name);
         ui.spacing_mut().interact_size.x = before;
         take_value(window, ui, param, k, moved, &slider);
@@ -168,6 +165,7 @@ fn take_value(
     slider: &egui::Response,
 ) {
     if slider.changed() {
+        number_field::withdraw(&mut window.status_message);
         let step = Step::new("Move a param", name_of(param, k));
         window.model.change(step, |choices| {
             choices.choose(&param.name, k, Some(value));

@@ -18,7 +18,7 @@ pub(super) fn show(model: &mut Model, ui: &mut Ui) {
     edit(model, ui, "views", |preferences, ui| {
         let label = ui.label("Camera speed");
         let slider = Slider::new(&mut preferences.camera_speed, 0.05..=10.0).logarithmic(true);
-        ui.add(number_field::of_slider(ui, slider))
+        ui.add(number_field::of_slider(ui, slider, number_field::displayed))
             .labelled_by(label.id);
         ui.end_row();
         background(preferences, shown, ui);
