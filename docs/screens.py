@@ -19,7 +19,7 @@ surface s(u, v) = ((1 + r cos v) cos u,
     r sin v),
     u : [0, 2pi, 160], v : [0, 2pi, 80];
 
-# The straightest line from the outer equator.
+# A straightest line that starts near the outer equator.
 geodesic g(t) : s = (1, 0.4) @ (5, 0.2), t : [0, 9];
 """
 CACHE = Path(os.environ["GEOTRACE_CACHE"])
