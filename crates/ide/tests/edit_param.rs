@@ -102,4 +102,8 @@ fn hover_tells_what_a_param_opens_with() {
         told("param r : [0, 1];"),
         "a slider over `[0, 1]`; it starts at its minimum"
     );
+    assert_eq!(
+        told("param r : [0, 3], [0, 4];"),
+        "sliders over `[0, 3]` × `[0, 4]`; they start at their minima"
+    );
 }

@@ -172,7 +172,7 @@ fn hover_tells_values_signatures_and_geometry() {
     for part in [
         "E = 1, F = 0, G = 1",
         "K = -1",
-        "u wraps around; v wraps around",
+        "u = 0 and u = 6.2832 are glued; v = 0 and v = 6.2832 are glued",
         "regular",
     ] {
         assert!(told.contains(part), "{part} in {told}");
@@ -184,6 +184,15 @@ fn hover_tells_values_signatures_and_geometry() {
         "{told}"
     );
     assert!(told.contains("smooth pole"), "{told}");
+    let cone = "surface c|(u,v) = (v cosu, v sinu, v), u : [0,2pi], v : [0,2];";
+    let told = tell(cone).expect("a hover");
+    assert!(told.contains("v = 0 is the tip of a cone"), "{told}");
+    let strip = "surface m|(u,v) = ((2+v cos(u/2))cosu, (2+v cos(u/2))sinu, v sin(u/2)), u : [0,2pi], v : [-1,1];";
+    let told = tell(strip).expect("a hover");
+    assert!(
+        told.contains("u = 0 and u = 6.2832 are glued with a reversal"),
+        "{told}"
+    );
     // The curvature of a large sphere is no rounding, as it would be beside E.
     let large = "surface s|(u,v) = 2000(cosu cosv, sinu cosv, sinv), u : [0,1], v : [0,1];";
     let told = tell(large).expect("a hover");

@@ -241,7 +241,7 @@ fn hover_tells_what_a_solid_is() {
     let beside = told("solid b¦all(x,y,z) = (x + 1)^2 + y^2 + z^2 - 1;");
     assert!(beside.contains("within `x : [-2, 0]`"), "{beside}");
     let ground = told("param h : [0, 1]; solid g¦round(x,y,z) = z - h;");
-    assert!(ground.contains("endless, for `h = 0`"), "{ground}");
+    assert!(ground.contains("unbounded, for `h = 0`"), "{ground}");
     let empty = told("solid n¦othing(x,y,z) = x^2 + y^2 + z^2 + 1;");
     assert!(empty.contains("empty: it contains no point"), "{empty}");
     // A box for each of a million shapes is no answer while somebody reads.

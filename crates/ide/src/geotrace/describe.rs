@@ -162,13 +162,15 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
     match item.keyword.category() {
         Category::Slider => {
             let intervals = written_intervals(analysis, item);
-            text.push(format!(
-                "a slider over {intervals}; it starts at {}",
-                match edit_param::initial_value(analysis, item) {
-                    Some(span) => format!("`{}`", analysis.slice(span)),
-                    None => "its minimum".to_owned(),
-                }
-            ));
+            let [sliders, start, minimum] = match item.intervals().count() {
+                1 => ["a slider", "it starts", "its minimum"],
+                _ => ["sliders", "they start", "their minima"],
+            };
+            let value = match edit_param::initial_value(analysis, item) {
+                Some(span) => format!("`{}`", analysis.slice(span)),
+                None => minimum.to_owned(),
+            };
+            text.push(format!("{sliders} over {intervals}; {start} at {value}"));
         }
         Category::Grid => {
             let intervals = written_intervals(analysis, item);

@@ -146,14 +146,17 @@ fn topology(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let sides = surface.sides();
     let mut told = Vec::new();
     for (axis, name) in names.into_iter().enumerate() {
-        let [first, last] = sides.of(axis);
-        match (first, last) {
-            (Side::Wrap, _) => told.push(format!("{name} wraps around")),
-            (Side::WrapFlip, _) => told.push(format!("{name} wraps around with a flip")),
-            _ => {
-                for (side, end) in [first, last].into_iter().zip(surface.domain()[axis]) {
+        let ends = surface.domain()[axis].map(short);
+        let glued = format!("{name} = {} and {name} = {} are glued", ends[0], ends[1]);
+        match sides.of(axis) {
+            [Side::Wrap, _] => told.push(glued),
+            [Side::WrapFlip, _] => told.push(format!("{glued} with a reversal")),
+            both => {
+                for (end, (side, at)) in both.into_iter().zip(ends).enumerate() {
                     if side == Side::Pole {
-                        told.push(format!("{name} = {} is a smooth pole", short(end)));
+                        told.push(format!("{name} = {at} is a smooth pole"));
+                    } else if surface.apex(axis, end).is_some() {
+                        told.push(format!("{name} = {at} is the tip of a cone"));
                     }
                 }
             }

@@ -20,11 +20,11 @@ const EXPRESSIONS: &[OverviewRow] = &[
     ),
     row(
         "sin cos tan asin acos atan sinh cosh tanh",
-        "functions of angles, in radians",
+        "trigonometric functions, with angles in radians, their inverses, and hyperbolic functions",
     ),
     row(
-        "exp log sqrt abs",
-        "further functions; log is the natural logarithm",
+        "exp log sqrt abs id",
+        "further functions; log is the natural logarithm, id(x) is x",
     ),
     row(
         "min(a, b)   max(a, b, 1)",

@@ -90,7 +90,7 @@ pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Stri
 /// Returns the box of a solid; `start` describes the values of the params.
 fn extent(rays: &RayScene, start: &str) -> String {
     let Some(bounds) = rays.bounds() else {
-        return format!("endless{start}");
+        return format!("unbounded{start}");
     };
     let lengths = (bounds.upper - bounds.lower).to_array().into_iter();
     let longest = lengths.filter(|x| x.is_finite()).fold(0.0, f64::max);

@@ -344,10 +344,7 @@ fn a_word_under_the_pointer_is_described() {
         hand.harness
             .hover_at(begin + vec2(6.0 + 5.0 * step as f32, 26.0));
         hand.harness.run_steps(60);
-        described |= hand
-            .names()
-            .iter()
-            .any(|name| name.contains("u wraps around"));
+        described |= hand.names().iter().any(|name| name.contains("are glued"));
     }
     assert!(described, "{:?}", hand.names());
 }

@@ -185,7 +185,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         NO_FORMULA,
-        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but not on the parameters of a surface, a metric, a solid or an attribute.",
+        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but not on the parameters of a surface, a metric, a solid or a background, nor, in an attribute, on those of its declaration.",
     ),
     (
         GEODESIC_UNDEFINED,

@@ -387,7 +387,7 @@ fn no_formula(name: &str) -> SemanticError {
     SemanticError::new(
         error::NO_FORMULA,
         format!(
-            "`{name}` is a geodesic: its argument must not depend on the parameters of a surface, metric, solid or attribute"
+            "`{name}` is a geodesic: its argument must not depend on the parameters of a surface, metric, solid or background, nor, in an attribute, on those of its declaration"
         ),
     )
     .with_hint(format!(

@@ -242,7 +242,7 @@ objects! {
     Material Material "the look of an entity" {
         "color" COLOUR, "", DefaultValue::Colour([0.5, 0.5, 0.5]), "its colour";
         "reflectivity" SHARE, "", number(0.0), "the fraction of light that is reflected as by a mirror";
-        "transparency" SHARE, "", number(0.0), "the fraction of light that is transmitted";
+        "transparency" SHARE, "", number(0.0), "the fraction of light that is reflected or refracted as by glass";
         "refractiveindex" POSITIVE, "", number(1.5), "the index of refraction inside";
         "diffuse" NOT_NEGATIVE, "", Code("1 - reflectivity - transparency"), "the diffuse reflectance";
         "specularity" NOT_NEGATIVE, "", number(0.0), "the strength of highlights";
@@ -251,7 +251,7 @@ objects! {
     Camera Camera "a camera, from which the scene is seen" {
         "position" VECTOR, "", Required, "its position";
         "pointing" VECTOR, "", Required, "the point that it looks at";
-        "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 for a pinhole camera";
+        "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 unless the camera is spherical";
         "aperture" NOT_NEGATIVE, "", number(3.0), "the radius of the lens, in 720ths of the unit of length";
         "focaldistance" POSITIVE, "", number(0.5), "the distance of the plane in focus";
         "apertureshape" SHAPES, "", DefaultValue::Text("circle"), "the shape of the lens";

@@ -103,8 +103,11 @@ attributes! {
     Falloff "falloff" Angle "angle" Soft "soft" Size "size" Fov "fov" Focus "focus" Aperture "aperture" Bokeh "bokeh"
     Roll "roll" Projection "projection" Turn "turn";
 
-    Color on &[Curve, Surface, Point, Vector, Geodesic, Solid, Metric], AttributeType::Colour(AttributeRange::SHARE),
-        "the window's; (0.88, 0.86, 0.82) for a solid, 1 where it is glass",
+    Color on &[Curve, Point, Vector, Geodesic], AttributeType::Colour(AttributeRange::SHARE), "from a palette",
+        "the colour: a grey or (red, green, blue), sRGB", "color : (0.8, 0.3, 0.1)";
+    Color on &[Surface, Metric], AttributeType::Colour(AttributeRange::SHARE), "none: its texture is shown",
+        "the colour: a grey or (red, green, blue), sRGB", "color : (0.8, 0.3, 0.1)";
+    Color on &[Solid], AttributeType::Colour(AttributeRange::SHARE), "(0.88, 0.86, 0.82); 1 where it is glass",
         "the colour: a grey or (red, green, blue), sRGB", "color : (0.8, 0.3, 0.1)";
     Color on &[Light], AttributeType::Colour(AttributeRange::NOT_NEGATIVE), "1",
         "the light's colour: a grey or (red, green, blue), sRGB", "color : (1, 0.9, 0.7)";
@@ -124,7 +127,9 @@ attributes! {
         "the exponent of highlights: the larger, the smaller they are", "shininess : 200";
     Bump on FACES, AttributeType::Number(AttributeRange::ANY), "0",
         "a height along the normal, which tilts the normal but moves nothing", "bump : 0.01sin(40z)";
-    Uv on FACES, AttributeType::Pair, "the parameters of a surface",
+    Uv on &[Surface], AttributeType::Pair, "its parameters, as fractions of their intervals",
+        "the position in the texture, which repeats", "uv : (3u, v)";
+    Uv on &[Solid], AttributeType::Pair, "none: its image is not shown",
         "the position in the texture, which repeats", "uv : (x, y)";
     Image on &[Surface, Metric, Solid, Background], AttributeType::Name, "none",
         "the texture: an image of this name beside the program or in `--images`", "image : earth";

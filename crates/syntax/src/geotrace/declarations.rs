@@ -131,7 +131,7 @@ declarations! {
         parameters: ParameterCount::None,
         category: Category::Slider,
         example: "param r = 0.5 : [0, 1];",
-        purpose: "a slider, one for each interval",
+        purpose: "a slider for each interval",
         snippet: "param ${1:r} : [${2:0}, ${3:1}];",
     }
     Grid "grid" {
