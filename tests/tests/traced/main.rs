@@ -259,7 +259,7 @@ fn a_scene_that_does_not_fit_is_drawn_by_f64_and_says_why() {
         ),
         (
             "solid g(x, y, z) = x^3 + y^2 + z^2 - 1;",
-            "`g` has an endless surface",
+            "`g` has an unbounded surface",
         ),
         (
             "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];",

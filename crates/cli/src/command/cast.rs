@@ -1,4 +1,4 @@
-//! `geotrace cast`: where rays meet solids, in f64.
+//! `geotrace cast`: where rays meet solids and other objects, in f64.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -27,7 +27,7 @@ pub const MOST_RAYS: usize = 4_000_000;
 /// The longest line of a file of rays, in bytes.
 pub const LONGEST_LINE: u64 = 4096;
 
-/// Cast a ray into a program's solids: where it enters and leaves each, and what it hits first.
+/// Cast a ray into a program: where it enters and leaves each solid, and which object it meets first.
 ///
 /// Solids are solved, not sampled: up to degree 4 in closed form, any other function by interval arithmetic.
 /// Crossings closer to the start than 10⁻¹⁰ of its coordinates are limited by rounding.

@@ -126,7 +126,7 @@ struct SolidEntry {
     drawn: bool,
     leaves: Vec<LeafEntry>,
     instances: u64,
-    /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an endless solid.
+    /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an unbounded solid.
     bounds: Option<[[f64; 2]; 3]>,
     /// The reason for which nothing is known of its leaves and its box.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -348,7 +348,7 @@ fn text(document: &Explanation, file: &str) -> String {
         view_text(&mut text, view);
     }
     if !document.intrinsic.is_empty() {
-        let _ = writeln!(text, "\nInside surfaces");
+        let _ = writeln!(text, "\nMetrics and geodesics");
         for entry in &document.intrinsic {
             intrinsic_text(&mut text, entry);
         }
@@ -393,7 +393,7 @@ fn solid_text(text: &mut String, entry: &SolidEntry) {
                 .map(|[a, b]| format!("[{}, {}]", show(a), show(b)))
                 .join(" × ")
         ),
-        None => writeln!(text, "; endless"),
+        None => writeln!(text, "; unbounded"),
     };
 }
 

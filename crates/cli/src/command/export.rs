@@ -15,7 +15,7 @@ use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Write a program's solids, surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
+/// Write a program's solids, surfaces, curves, geodesics, vectors and points as a mesh, for modelling, printing, or a paper.
 ///
 /// Positions are in the program's units, as precise as the format allows. Where a surface closes (a sphere's poles, a
 /// torus' seams) the mesh closes too; where it is undefined the mesh has a hole. The mesh of a solid is closed and keeps

@@ -44,8 +44,8 @@ A number may be an expression in the program's names, such as pi/2.
   between   the shortest geodesic first, at most 32. Of a family of geodesics of one length, such
             as the meridians between a sphere's poles, one is listed, and marked as conjugate
   triangle  the sides are shortest geodesics, side k lies opposite corner k, angles are in radians.
-            The area is that of the region that geodesics from the first corner sweep; ∫K has the
-            deficit of a tip inside"
+            The area is that of the region that geodesics from the first corner sweep; ∫K includes
+            the angle deficit of a cone's tip inside the triangle"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input

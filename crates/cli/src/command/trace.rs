@@ -21,6 +21,9 @@ use crate::program::LoadedProgram;
 use crate::progress::Progress;
 use crate::registry::Context;
 
+/// The most steps of a geodesic that is traced with equal steps.
+pub const MOST_EQUAL_STEPS: u32 = 1_000_000;
+
 /// Trace one geodesic of a surface, a metric or a solid: the straightest line from a point in a direction.
 ///
 /// The geodesic is integrated adaptively in double precision, through poles and across seams. The output is its end,
@@ -77,7 +80,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]
     method: PictureMethod,
     /// The number of steps of rk4-pixel
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_EQUAL_STEPS)))]
     steps: Option<u32>,
     /// List the conjugate points along the geodesic, where geodesics that start beside it meet it again, and the
     /// Jacobi field at the end
@@ -296,7 +299,7 @@ fn text_in_space(trace: &SpaceTrace, from: [f64; 3]) -> String {
   from       {}{moved}
   position   {}
   direction  {}, at unit speed
-  trust      error estimate {}, speed drift {}
+  accuracy   error estimate {}, speed drift {}
   work       {}, {}
 ",
         status_word(trace.status),
@@ -459,7 +462,7 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface, shape: &Shape) -> 
   to         {chart} = {}
   position   {}
   direction  {}
-  trust      error estimate {}, speed drift {}
+  accuracy   error estimate {}, speed drift {}
   work       {}, {}
 ",
         status_word(trace.status),

@@ -114,7 +114,7 @@ impl SceneTables {
             }
             TableError::EndlessQuartic { solid } => {
                 format!(
-                    "`{}` has an endless surface of degree three or more",
+                    "`{}` has an unbounded surface of degree three or more",
                     name(solid)
                 )
             }

@@ -44,7 +44,7 @@ fn show_pair(pair: [f64; 2]) -> String {
 }
 
 /// The error estimates of two numbers, with a warning where one is so large that most digits of its number mean nothing.
-fn trust(values: [f64; 2], estimates: [f64; 2]) -> String {
+fn error_estimates(values: [f64; 2], estimates: [f64; 2]) -> String {
     let is_any_vague = (0..2).any(|k| is_vague(values[k], estimates[k]));
     let warning = if is_any_vague {
         ": these numbers are not reliable"
@@ -56,12 +56,12 @@ fn trust(values: [f64; 2], estimates: [f64; 2]) -> String {
 }
 
 pub(super) fn circle(found: &Circle, radius: f64) -> String {
-    let ratio = |value: f64, estimate: f64, flat: f64| {
+    let ratio = |value: f64, estimate: f64, formula: &str, flat: f64| {
         let share = match is_vague(value, estimate) {
             true => show_estimated(value / flat, estimate / flat),
             false => format!("{:.6}", value / flat),
         };
-        format!("{share} of the flat one's {}", show_measured(flat))
+        format!("{share} of {formula} = {}", show_measured(flat))
     };
     let Circle {
         circumference,
@@ -80,15 +80,15 @@ pub(super) fn circle(found: &Circle, radius: f64) -> String {
 circle of radius {}
   circumference  {}, {}
   area           {}, {}
-  trust          {}
+  accuracy       {}
   {overlap}
 ",
         show_measured(radius),
         show_estimated(circumference, circumference_error),
-        ratio(circumference, circumference_error, TAU * radius),
+        ratio(circumference, circumference_error, "2πr", TAU * radius),
         show_estimated(area, area_error),
-        ratio(area, area_error, PI * radius * radius),
-        trust([circumference, area], [circumference_error, area_error]),
+        ratio(area, area_error, "πr²", PI * radius * radius),
+        error_estimates([circumference, area], [circumference_error, area_error]),
     )
 }
 
@@ -150,12 +150,12 @@ pub(super) fn triangle(found: &Triangle) -> String {
         Ok(region) => text.push_str(&format!(
             "  ∫K            {}
   area          {}
-  trust         {}
+  accuracy      {}
 ",
             show_estimated(region.curvature, region.curvature_error),
             show_estimated(region.area, region.area_error),
             // An integral of 0 is as good as one of 1.
-            trust(
+            error_estimates(
                 [region.curvature.abs().max(1.0), region.area],
                 [region.curvature_error, region.area_error],
             ),
