@@ -26,7 +26,7 @@ fn read(path: &str) -> String {
 fn diagnostics() -> String {
     let mut text = String::from(
         "# Diagnostics\n\nWhat `geotrace check` can say, by code. Each has a case in `tests/cases/language/`, or in a\n\
-         test that `tests/tests/conformance.rs` names. `UPDATE=1 cargo test -p geotrace-tests --test documents` writes this page.\n\n\
+         test that `tests/tests/conformance.rs` names. `UPDATE=1 cargo test --workspace --test documents` writes this page.\n\n\
          | code | what it means |\n| --- | --- |\n",
     );
     let rows = |codes: &mut dyn Iterator<Item = (Code, &'static str)>| -> String {

@@ -1,5 +1,7 @@
-//! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
+//! `docs/limits.md`: the limits that a user can meet, each once, from the constants of the code.
 
+use export::animation::MOST_FRAMES;
+use export::command_line::MOST_PLACES;
 use export::mesh::{MAX_MESH_WORK, MOST_CELLS, USUAL_CELLS};
 use geodesic::fan::MOST_FOR_RAYS;
 use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
@@ -17,7 +19,7 @@ struct Limit {
     what: &'static str,
     most: String,
     why: String,
-    /// The message, as it stands in the sources; what is in braces is put in there.
+    /// The message, as it stands in the sources; what is in braces is put in there. Empty where a limit has none.
     message: &'static str,
     /// How to raise it; empty where nobody needs to.
     raised: &'static str,
@@ -80,7 +82,7 @@ fn programs() -> Vec<Limit> {
             "name a part by a declaration of its own",
         ),
         limit(
-            "findings in a program",
+            "diagnostics of a program",
             grouped(syntax::text::MAX_DIAGNOSTICS as u64),
             "memory, and nobody reads more",
             "more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted",
@@ -136,14 +138,14 @@ fn scripts() -> Vec<Limit> {
         limit(
             "rounds of loops, calls and objects of a script, 256 bytes of a new string counted as one",
             grouped(crt::MAX_WORK),
-            "a script ends",
+            "so that a script ends",
             "it takes more than {} rounds, calls and objects",
             "",
         ),
         limit(
             "expressions and statements that a script evaluates, elements of compared lists counted as such",
             grouped(crt::MAX_STEPS),
-            "a script ends within seconds",
+            "so that a script ends within seconds",
             "it takes more than {} expressions and statements",
             "",
         ),
@@ -159,6 +161,13 @@ fn scripts() -> Vec<Limit> {
             grouped(crt::MAX_SIZE),
             "memory",
             "a string has at most {MAX_SIZE} bytes",
+            "",
+        ),
+        limit(
+            "shapes of a script that is converted",
+            grouped(crt::MAX_CONVERTED_LEAVES),
+            "the length of the program",
+            "{most} shapes, the limit of conversions",
             "",
         ),
     ]
@@ -199,14 +208,14 @@ fn pictures() -> Vec<Limit> {
             "",
         ),
         limit(
-            "operations on intervals to find where the solids of a scene lie; a sixteenth of that for what is told at a name",
+            "operations on intervals to find where the solids of a scene lie; a sixteenth of that for a hover text",
             grouped(MAX_SHAPE_WORK),
             "run time: a few seconds",
             "locating the solids exceeds the work limit",
-            "fewer instances; what differs by place alone is moved by a map, and read once",
+            "fewer instances; move copies by maps after `@`: they are compiled once",
         ),
         limit(
-            "cells along the longest side of a solid's mesh without counts; of more than 32 solids in a file so many fewer that all have about as many triangles",
+            "cells along the longest side of a solid's mesh without counts; with more than 32 solids in a file fewer, so that the total number of triangles stays about the same",
             USUAL_CELLS,
             "memory and run time",
             "cells along its longest side, not {USUAL_CELLS}",
@@ -241,14 +250,14 @@ fn pictures() -> Vec<Limit> {
             "shorter intervals",
         ),
         limit(
-            "parts of a ray on which a function that is no polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
+            "parts of a ray on which a function other than a polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
             grouped(tracer::MOST_RAY_EVALUATIONS as u64),
             "run time",
             "exceeds the work limit: crossings may be missing",
             "",
         ),
         limit(
-            "operations on functions that are no polynomials, for a ray of an 8 × 8 tile on the average; beyond, rays are sampled, and beyond twice as many they meet none",
+            "operations on functions other than polynomials, for a ray of an 8 × 8 tile on average; beyond, rays are sampled, and beyond twice as many they meet none",
             grouped(tracer::TILE_RAY_OPERATIONS),
             "run time",
             "exceeded the work limit: objects along them may be missing",
@@ -287,6 +296,27 @@ fn pictures() -> Vec<Limit> {
             "`--bounces`, up to this",
         ),
         limit(
+            "the distance to which an unbounded function is searched for rays, in radii of the bounded solids",
+            tracer::SEARCHED_RADII,
+            "run time",
+            "",
+            "intervals that cut the solid",
+        ),
+        limit(
+            "frames of an animation",
+            grouped(MOST_FRAMES),
+            "run time",
+            "is not in",
+            "",
+        ),
+        limit(
+            "points of a walked path in a copied command",
+            grouped(MOST_PLACES as u64),
+            "the length of a command line",
+            "the path that was walked is too long for it, and is left out",
+            "",
+        ),
+        limit(
             "rays of a file for `cast`",
             grouped(cli::MOST_RAYS as u64),
             "memory",
@@ -307,21 +337,21 @@ fn geodesics() -> Vec<Limit> {
     let picture = MapOptions::default().max_evaluations;
     vec![
         limit(
-            "evaluations of the surface in a geodesic view; fewer where one evaluation is dear",
+            "evaluations of the surface in a geodesic view; fewer if an evaluation is expensive",
             grouped(picture),
             "run time: a few seconds",
             "could not be traced within the work limit",
             "a smaller `--zoom`: shorter geodesics",
         ),
         limit(
-            "evaluations of the surface for the rays of a geodesic view; pixels that they say nothing about are followed one by one",
+            "evaluations of the surface for the rays of a geodesic view; pixels that these rays do not determine are traced individually",
             grouped(MOST_FOR_RAYS),
             "memory: their steps are kept",
             "could not be traced within the work limit",
             "a smaller `--zoom`: shorter geodesics",
         ),
         limit(
-            "evaluations for a pixel with `--method adaptive`, on the average of a large picture",
+            "evaluations for a pixel with `--method adaptive`, on average over a large picture",
             grouped(LEAST_FOR_PIXEL),
             "run time",
             "could not be traced within the work limit",
@@ -340,6 +370,13 @@ fn geodesics() -> Vec<Limit> {
             "run time: a few seconds",
             "it reached the limit of evaluations",
             "`--max-evaluations`",
+        ),
+        limit(
+            "steps of `trace --method rk4-pixel`",
+            grouped(cli::MOST_EQUAL_STEPS),
+            "run time",
+            "is not in",
+            "`--steps`, up to this",
         ),
         limit(
             "evaluations of the surface for one geodesic that is drawn as a line",
@@ -394,8 +431,8 @@ fn table(limits: &[Limit]) -> String {
 
 fn page() -> String {
     let mut text = String::from(
-        "# Limits\n\nNothing that one types takes a machine down: sizes and work are limited, and each limit ends in a sentence. This\n\
-         page is generated from the constants of the code; `UPDATE=1 cargo test --workspace --test limits` writes it.\n",
+        "# Limits\n\nNo input can exhaust the machine: sizes and work are limited, and most limits end in a message. This page is\n\
+         generated from the constants of the code; `UPDATE=1 cargo test --workspace --test limits` writes it.\n",
     );
     for (title, limits) in [
         ("Programs", programs()),

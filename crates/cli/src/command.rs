@@ -17,6 +17,7 @@ mod show;
 mod trace;
 
 pub use cast::{LONGEST_LINE, MOST_RAYS};
+pub use trace::MOST_EQUAL_STEPS;
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -23,7 +23,7 @@ mod style;
 
 use std::process::ExitCode;
 
-pub use command::{LONGEST_LINE, MOST_RAYS};
+pub use command::{LONGEST_LINE, MOST_EQUAL_STEPS, MOST_RAYS};
 pub use registry::Registry;
 
 /// Reads the arguments of this process, runs the command that they name, and returns the exit status.

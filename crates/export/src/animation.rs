@@ -21,6 +21,8 @@ pub use script::{Course, ParamChange, Script, ScriptError};
 
 /// The default number of pictures of an animation.
 pub const FRAMES: u32 = 60;
+/// The maximum number of pictures of an animation.
+pub const MOST_FRAMES: u32 = 100_000;
 /// The default number of pictures per second.
 pub const RATE: f64 = 25.0;
 

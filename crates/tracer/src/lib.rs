@@ -91,4 +91,4 @@ pub use line::{Ray, SurfaceId};
 pub use look::{PictureLook, gamma_encoded};
 pub use sheet::{MOST_HALVED, Sheet, SheetCounters, SheetHit, SheetScratch};
 pub use sheets::{Sheets, SheetsRay};
-pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder, is_singular};
+pub use world::{BuildError, SEARCHED_RADII, SetStep, ShapeId, World, WorldBuilder, is_singular};

@@ -17,7 +17,7 @@ use crate::product::{Product, ProductLeaf};
 use crate::shape::{LeafSurface, Shape};
 use crate::shared::Surfaces;
 use crate::tree::{Forest, TreeStep};
-pub use builder::{BuildError, SetStep, ShapeId, WorldBuilder, is_singular};
+pub use builder::{BuildError, SEARCHED_RADII, SetStep, ShapeId, WorldBuilder, is_singular};
 
 /// Solids into which rays can be cast.
 #[derive(Debug)]

@@ -78,7 +78,7 @@ pub(super) struct PlacedShape {
 /// rounding errors, which are smaller unless the roots are nearly multiple.
 const ROOM: f64 = 1e-8;
 /// An unbounded field is searched within this number of radii of the bounded part of the scene along each axis without bounds.
-const RADII: f64 = 64.0;
+pub const SEARCHED_RADII: f64 = 64.0;
 /// The work of preparing a surface that bounds a leaf, in operations.
 const PIECE_WORK: u64 = 24;
 /// The work of finding boxes for sets whose leaves have none, in operations on intervals: a fraction of a second.
@@ -498,7 +498,7 @@ fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
 
 /// Returns the box within which a field is searched that does not matter outside `clip`, some of whose sides are at infinity.
 fn searched(clip: &BoundingBox, rest: &BoundingBox) -> BoundingBox {
-    let radius = RADII * 0.5 * (rest.upper - rest.lower).length();
+    let radius = SEARCHED_RADII * 0.5 * (rest.upper - rest.lower).length();
     let axis = |k: usize| {
         let [lower, upper] = [clip.lower[k], clip.upper[k]];
         let centre = rest.centre()[k].max(lower).min(upper);

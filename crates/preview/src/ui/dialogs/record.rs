@@ -246,7 +246,7 @@ fn motion(dialog: &mut RecordDialog, ui: &mut Ui) {
 /// Shows the rows of the number, the rate and the size of the frames.
 fn clip(clip: &mut Clip, ui: &mut Ui) {
     let label = ui.label("Frames");
-    ui.add(number_field::field(ui, &mut clip.frames).range(2..=100_000))
+    ui.add(number_field::field(ui, &mut clip.frames).range(2..=animation::MOST_FRAMES))
         .labelled_by(label.id);
     ui.end_row();
     let label = ui.label("Frames per second");
