@@ -31,17 +31,17 @@ enum Action {
 const BUTTONS: [(Action, Icon, &str, &str); 11] = [
     (Action::Undo, Icon::Undo, "Undo the last step", "Ctrl+Z"),
     (Action::Redo, Icon::Redo, "Redo the next step", "Ctrl+Y"),
-    (Action::Frame, Icon::Frame, "Show everything", "F"),
+    (Action::Frame, Icon::Frame, "Frame everything", "F"),
     (
         Action::Orthographic,
         Icon::Parallel,
-        "Parallel lines of sight",
+        "Orthographic, with parallel lines of sight",
         "5",
     ),
     (
         Action::Traced,
         Icon::Traced,
-        "Trace lights, shadows and mirrors",
+        "Traced, with lights, shadows and mirrors",
         "T",
     ),
     (Action::Labels, Icon::Labels, "Show labels", ""),

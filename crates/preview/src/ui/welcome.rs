@@ -40,7 +40,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
 fn begin(window: &Window, ui: &mut Ui) -> Option<Next> {
     let mut next = None;
     ui.label(RichText::new("Geotrace").size(28.0).strong());
-    ui.label("Curves and surfaces as text, seen in space and from inside.");
+    ui.label("Curves, surfaces and solids as short programs, seen in space and from inside.");
     ui.add_space(16.0);
     ui.heading("New program");
     if ui.button("Empty").clicked() {

@@ -55,7 +55,7 @@ fn language(window: &Window, ui: &mut Ui) {
 fn about(window: &Window, ui: &mut Ui) {
     ui.set_width(320.0);
     ui.heading(concat!("Geotrace ", env!("CARGO_PKG_VERSION")));
-    ui.label("Curves and surfaces as text, seen in space and from inside.");
+    ui.label("Curves, surfaces and solids as short programs, seen in space and from inside.");
     ui.add_space(4.0);
     ui.label(format!("Pictures are drawn by: {}", window.display.backend));
 }

@@ -221,7 +221,7 @@ fn choose(
 fn title(choice: &TextureChoice, of_object: bool) -> String {
     match choice {
         TextureChoice::Default if of_object => "Default".to_owned(),
-        TextureChoice::Default => "Orientation".to_owned(),
+        TextureChoice::Default => "Letters".to_owned(),
         TextureChoice::Plain => "Plain colour".to_owned(),
         TextureChoice::Curvature => "Gaussian curvature".to_owned(),
         TextureChoice::Image(path) => file_name(path),
