@@ -23,7 +23,7 @@ export class Measuring {
     private readonly kinds = new Map<Kind, HTMLButtonElement>();
     private readonly note = make("p", { role: "status" });
     private readonly rows = make("dl");
-    private readonly back = button("Back to the start", () => void this.walkBack(), {
+    private readonly back = button("Close the walk", () => void this.walkBack(), {
         hint: "Walks along the shortest geodesic to the start of the walk",
     });
     private kind: Kind = KINDS[1];

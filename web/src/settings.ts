@@ -27,15 +27,15 @@ type Tab = (typeof TABS)[number];
 
 /** The overlays: the name of the setting, what it is called, and what it shows. */
 const MARKS: [keyof Marks & string, string, string][] = [
-    ["labels", "Names", "of points, curves and surfaces"],
+    ["labels", "Labels", "the names of points, curves and surfaces"],
     ["axes", "Axes", "a box with ticks around the scene"],
     ["legend", "Legend", "the meaning of colours and lines"],
     ["cameras", "Cameras", "the geodesic cameras and the declared ones"],
     ["wavefronts", "Wavefronts", "circles at equal distances from the camera"],
     ["conjugate", "Conjugate points", "where neighbouring geodesics meet again"],
     ["cutLocus", "Cut locus", "beyond it there is a shorter geodesic"],
-    ["trail", "Trail", "the path of the camera"],
-    ["error", "Error", "the estimated error of the picture"],
+    ["trail", "Trail of the walk", "the path of the camera"],
+    ["error", "Estimated error", "of the picture"],
 ];
 
 export class SettingsPane {

@@ -233,7 +233,7 @@ export class Views {
         traced.setAttribute("aria-pressed", String(isTraced));
         tools.replaceChildren(
             ...(info.instead === null ? [] : [traced]),
-            ...(info.camera === "space" ? [square("Show everything (F)", "fit", move("frame"))] : []),
+            ...(info.camera === "space" ? [square("Frame everything (F)", "fit", move("frame"))] : []),
             ...(info.camera === null ? [] : [square("Reset the camera (R)", "reset", move("reset"))]),
             minor(`Save a picture of ${info.title}`, "image", () => this.events.save(info.id)),
             minor(`Close ${info.title}`, "close", () => this.toggle(info)),

@@ -140,12 +140,12 @@ test("a walk has its length, and where the way back has closed it, its holonomy"
     const open = parseFloat(await row(page, "length"));
     assert.ok(open > 0.1, `${open}`);
     const side = parseFloat(await row(page, "to the start"));
-    await page.getByRole("button", { name: "Back to the start", exact: true }).click();
+    await page.getByRole("button", { name: "Close the walk", exact: true }).click();
     await shown(page, "holonomy");
     const [length, holonomy] = [parseFloat(await row(page, "length")), parseFloat(await row(page, "holonomy"))];
     assert.ok(Math.abs(length - open - side) < 1e-5, `${length} for ${open} + ${side}`);
     assert.ok(Math.abs(holonomy) > 1e-3, `${holonomy}`);
     await page.getByRole("button", { name: "Distance", exact: true }).click();
-    assert.equal(await page.getByRole("button", { name: "Back to the start", exact: true }).isVisible(), false);
+    assert.equal(await page.getByRole("button", { name: "Close the walk", exact: true }).isVisible(), false);
     await state.close(page);
 });
