@@ -1,4 +1,4 @@
--- :GeotracePreview [3d | geodesic NAME], :GeotraceRestart.
+-- :GeotracePreview [3d | geodesic NAME | traced [CAMERA]], :GeotraceRestart.
 if vim.g.loaded_geotrace then
   return
 end

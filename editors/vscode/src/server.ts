@@ -75,7 +75,7 @@ export async function findServer(setting: string, extensionFolder: string, wante
         if (found === undefined) {
             throw new ServerMissing(
                 "Geotrace's language server was not found: no geotrace program is on PATH. " +
-                    "Build it with `cargo install --path crates/cli`, or set geotrace.server.path to it.",
+                    "Build it with `cargo install --locked --path crates/cli`, or set geotrace.server.path to it.",
             );
         }
         path = found;

@@ -368,15 +368,15 @@ test("the preview's command answers", function()
   vim.notify = before
 end)
 
-test("the preview's command is completed by views and surfaces", function()
-  open("surface torus(u,v) = (u,v,0), u : [0,1], v : [0,1];\npoint p = (0,0,0);\nsurface t(u,v) = torus(u,v), u : [0,1], v : [0,1];\ncamera eye = (0,1,0) @ p;")
+test("the preview's command is completed by views and names", function()
+  open("surface torus(u,v) = (u,v,0), u : [0,1], v : [0,1];\npoint p = (0,0,0);\nsurface t(u,v) = torus(u,v), u : [0,1], v : [0,1];\ncamera eye = (0,1,0) @ p;\nsolid ball(x,y,z) = x^2 + y^2 + z^2 - 1;")
   local function offered(line)
     return vim.fn.getcompletion("GeotracePreview " .. line, "cmdline")
   end
   equal(offered(""), { "3d", "geodesic", "traced" })
   equal(offered("traced "), { "eye" })
   equal(offered("ge"), { "geodesic" })
-  equal(offered("geodesic "), { "torus", "t" })
+  equal(offered("geodesic "), { "torus", "t", "ball" })
   equal(offered("geodesic to"), { "torus" })
   equal(offered("geodesic t "), {})
   equal(offered("3d "), {})

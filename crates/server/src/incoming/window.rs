@@ -155,7 +155,7 @@ fn start(
         };
         let file = name(uri);
         let message = format!(
-            "This build of geotrace has no preview window: `cargo install --path crates/cli` builds one with it. \
+            "This build of geotrace has no preview window: `cargo install --locked --path crates/cli` builds one with it. \
              `geotrace render {file} -o picture.png{inside}` draws a picture."
         );
         return Err((lsp::MessageType::INFO, message));

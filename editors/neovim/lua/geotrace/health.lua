@@ -39,7 +39,7 @@ function M.check_program(cmd)
   if vim.fn.executable(program) == 0 then
     health.error(
       ("the program %s was not found"):format(program),
-      { "cargo install --path crates/cli", 'vim.lsp.config("geotrace", { cmd = { "/where/it/is/geotrace", "lsp" } })' }
+      { "cargo install --locked --path crates/cli", 'vim.lsp.config("geotrace", { cmd = { "/where/it/is/geotrace", "lsp" } })' }
     )
     return
   end

@@ -34,7 +34,7 @@ function M.preview(words)
 end
 
 -- The names that may follow a view: those that one of these words declares in the current buffer.
-local followers = { geodesic = { "surface", "metric" }, traced = { "camera" } }
+local followers = { geodesic = { "surface", "metric", "solid" }, traced = { "camera" } }
 local function declared(keywords)
   local running = client(0)
   local params = { textDocument = vim.lsp.util.make_text_document_params(0) }
