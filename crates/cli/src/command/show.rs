@@ -14,8 +14,8 @@ use crate::registry::Context;
 
 /// Show a program in the live window, or, without a display, as pictures.
 ///
-/// Without a display it prints a note and writes pictures to the current folder: the 3D view and, if there is a
-/// surface or a metric, the geodesic view of the first one.
+/// Without a display it prints a note and writes pictures to the current folder: the 3D view (of a CRT
+/// script the traced view) and, if there is a surface or a metric, the geodesic view of the first one.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
