@@ -72,9 +72,10 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         }
     }
 
-    /// Drops the waiting value with a key.
-    pub(crate) fn remove(&self, key: &K) {
-        self.lock().waiting.remove(key);
+    /// Takes the waiting value with a key.
+    pub(crate) fn remove(&self, key: &K) -> Option<V> {
+        let waiting = self.lock().waiting.remove(key);
+        waiting.map(|(_, _, value)| value)
     }
 
     /// Takes the next value, and waits while there is none. Returns `None` when the queue is closed and empty.

@@ -38,6 +38,7 @@ pub use extent::EntityExtent;
 use crate::rerun::Rerun;
 use crate::scene::Scene;
 use run::Interpreter;
+use value::ScriptSettings;
 
 /// The maximum total number of loop iterations, macro calls and objects in a run.
 pub const MAX_WORK: u32 = 1_000_000;
@@ -116,7 +117,7 @@ pub fn run_unless(script: &Script, text: &str, given_up: &AtomicBool) -> Option<
     let script = script.clone();
     run.scene.rerun = Some(Rerun::new(vec![0.0], move |uniforms| {
         let t = uniforms.first().copied().unwrap_or(0.0);
-        Some(run_at(&script, &lines, t, &NEVER)?.scene)
+        run_at(&script, &lines, t, &NEVER).unwrap_or_default().scene
     }));
     Some(run)
 }
@@ -171,6 +172,7 @@ fn run_at(
 fn run_on_stack(run: impl FnOnce() -> Option<ScriptRun> + Send) -> Option<ScriptRun> {
     on_stack(run).unwrap_or_else(|| {
         Some(ScriptRun {
+            scene: build::scene(&ScriptSettings::default(), Vec::new()),
             diagnostics: vec![not_run()],
             ..ScriptRun::default()
         })
@@ -207,5 +209,6 @@ mod tests {
         };
         assert_eq!(found.code, codes::INTERNAL_ERROR);
         assert!(found.message.starts_with("internal error"));
+        assert_eq!(run.scene.params.len(), 1, "`t` can be moved on");
     }
 }

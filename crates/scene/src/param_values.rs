@@ -109,7 +109,7 @@ impl std::error::Error for SetError {}
 
 impl Scene {
     /// Returns the scene for these values of its params: a new scene if the values may change more than numbers, otherwise
-    /// the given one. If the text has an error for them, returns the given one.
+    /// the given one.
     pub fn at(self: &Arc<Self>, params: &ParamValues) -> Arc<Self> {
         self.made_anew(params).unwrap_or_else(|| self.clone())
     }
@@ -118,6 +118,14 @@ impl Scene {
     pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
         self.rerun.as_ref()?.at(params.uniforms(), attach)
+    }
+
+    /// Returns the values of its params for which the scene was made, if other values may change more than numbers.
+    pub fn made_for(&self) -> Option<ParamValues> {
+        Some(ParamValues {
+            uniforms: self.rerun.as_ref()?.values().to_vec(),
+            ..ParamValues::initial(self)
+        })
     }
 }
 

@@ -3,11 +3,11 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Computes the scene for some values of its params, one number per uniform; `None` if the text has an error for them.
-type Make<S> = dyn Fn(&[f64]) -> Option<S> + Send + Sync;
+/// Computes the scene for some values of its params, one number per uniform.
+type Make<S> = dyn Fn(&[f64]) -> S + Send + Sync;
 
 /// Values with their scene.
-type Made<S> = (Vec<f64>, Option<Arc<S>>);
+type Made<S> = (Vec<f64>, Arc<S>);
 
 /// Recomputes a scene if its params change more than numbers. It is shared by all scenes that it creates, and stores
 /// the last one.
@@ -25,10 +25,7 @@ struct Maker<S> {
 
 impl<S> Rerun<S> {
     /// Creates the rerun of a scene for these values, which `make` receives too.
-    pub(crate) fn new(
-        values: Vec<f64>,
-        make: impl Fn(&[f64]) -> Option<S> + Send + Sync + 'static,
-    ) -> Self {
+    pub fn new(values: Vec<f64>, make: impl Fn(&[f64]) -> S + Send + Sync + 'static) -> Self {
         let maker = Maker {
             make: Box::new(make),
             last: Mutex::default(),
@@ -39,8 +36,13 @@ impl<S> Rerun<S> {
         }
     }
 
-    /// Returns the scene for other values; `None` for the values of its own scene, and if the text has an error. `attach` gives
-    /// a new scene its own rerun.
+    /// Returns the values of its scene.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Returns the scene for other values; `None` for the values of its own scene. `attach` gives a new scene its own
+    /// rerun.
     pub(crate) fn at(&self, uniforms: &[f64], attach: impl FnOnce(&mut S, Self)) -> Option<Arc<S>> {
         if uniforms == self.values {
             return None;
@@ -50,18 +52,17 @@ impl<S> Rerun<S> {
         if let Some((known, scene)) = &*last
             && known == uniforms
         {
-            return scene.clone();
+            return Some(scene.clone());
         }
-        let scene = (self.maker.make)(uniforms).map(|mut scene| {
-            let rerun = Self {
-                maker: self.maker.clone(),
-                values: uniforms.to_vec(),
-            };
-            attach(&mut scene, rerun);
-            Arc::new(scene)
-        });
+        let mut scene = (self.maker.make)(uniforms);
+        let rerun = Self {
+            maker: self.maker.clone(),
+            values: uniforms.to_vec(),
+        };
+        attach(&mut scene, rerun);
+        let scene = Arc::new(scene);
         *last = Some((uniforms.to_vec(), scene.clone()));
-        scene
+        Some(scene)
     }
 }
 

@@ -5,12 +5,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use render::view::Setting;
-use scene::{Param, Range};
+use scene::{Param, ParamValues, Range, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::camera::SpaceCamera;
 use super::inside_camera::InsideCamera;
 use super::pane::saved_views;
+
+/// The chosen values of params, by name and component.
+pub type ChosenParams = BTreeMap<String, Vec<Option<f64>>>;
 
 /// All choices.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -18,8 +21,8 @@ use super::pane::saved_views;
 pub struct Choices {
     /// The appearance of objects, by name.
     pub looks: BTreeMap<String, Look>,
-    /// The chosen values of params, by component.
-    pub params: BTreeMap<String, Vec<Option<f64>>>,
+    /// The chosen values of params.
+    pub params: ChosenParams,
     /// The declared values of the params that have a chosen value, by component.
     pub openings: BTreeMap<String, Vec<DeclaredValue>>,
     /// The animated params.
@@ -99,6 +102,25 @@ impl DeclaredValue {
         let same_range = (self.min, self.max) == (now.min, now.max);
         self.value != now.value && (same_range || now.value != now.min)
     }
+}
+
+/// Returns the values of a scene's params: the chosen ones, clamped to their intervals.
+pub fn chosen_values(scene: &Scene, chosen: &ChosenParams) -> ParamValues {
+    let mut param_values = ParamValues::initial(scene);
+    for param in &scene.params {
+        let Some(values) = chosen.get(&param.name) else {
+            continue;
+        };
+        let mut all = param_values.param(param).to_vec();
+        for ((value, chosen), range) in all.iter_mut().zip(values).zip(&param.ranges) {
+            if let Some(chosen) = chosen.filter(|it| it.is_finite()) {
+                *value = chosen.clamp(range.min, range.max);
+            }
+        }
+        // Within their intervals, values are not refused.
+        let _ = param_values.set(scene, &param.name, &all);
+    }
+    param_values
 }
 
 /// The animation of a param's components.

@@ -16,7 +16,7 @@ use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
-use super::choices::{Animation, Choices, DeclaredValue, Marks};
+use super::choices::{Animation, Choices, DeclaredValue, Marks, chosen_values};
 use super::difference::Difference;
 use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
@@ -98,7 +98,7 @@ impl Model {
         self.paths.clear();
         self.measured = None;
         self.choices = choices;
-        self.take_param_values();
+        self.param_values = None;
     }
 
     /// Drops the program that is shown, with its scene.
@@ -147,21 +147,28 @@ impl Model {
         self.follow_declared_values(&scene);
         // A camera that the user has not moved belongs to the old scene.
         self.history.note_scene();
-        self.scene = Some(scene);
-        self.renumber_paths();
-        self.take_param_values();
+        self.take_rerun(scene);
     }
 
-    /// Takes over other values of the params, with the scene that they make where they change more than numbers.
-    fn take_param_values(&mut self) {
+    /// Takes over the scene of the same text for other values of the params.
+    pub fn take_rerun(&mut self, scene: Arc<Scene>) {
+        self.scene = Some(scene);
         self.param_values = None;
-        let Some(scene) = self.scene.clone().filter(|scene| scene.rerun.is_some()) else {
-            return;
-        };
-        if let Some(made) = self.param_values().and_then(|it| scene.made_anew(&it)) {
-            self.scene = Some(made);
-            self.renumber_paths();
+        self.renumber_paths();
+    }
+
+    /// Makes the scene of the chosen values of the params, if they change more than numbers: a script is run.
+    pub fn rerun(&mut self) {
+        let chosen = self.scene.clone().zip(self.chosen_values());
+        if let Some(made) = chosen.and_then(|(scene, chosen)| scene.made_anew(&chosen)) {
+            self.take_rerun(made);
         }
+    }
+
+    /// Returns whether the scene of the chosen values of the params is still to be made.
+    pub fn awaits_rerun(&self) -> bool {
+        let made_for = self.scene.as_ref().and_then(|scene| scene.made_for());
+        made_for.is_some() && made_for != self.chosen_values()
     }
 
     /// Resets each param whose declared value has changed to that value: the latest choice wins.
@@ -250,7 +257,7 @@ impl Model {
     /// Changes the choices without a step: for an animation, or a worker's result.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut Choices)) {
         edit(&mut self.choices);
-        self.take_param_values();
+        self.param_values = None;
         if let Some(scene) = self.scene.clone() {
             self.note_declared_values(&scene);
         }
@@ -325,28 +332,19 @@ impl Model {
         named.collect()
     }
 
-    /// Returns the params' values for the scene: the chosen ones, clamped to their intervals.
+    /// Returns the params' values of the scene that is shown. They are the chosen ones, unless it awaits a rerun.
     pub fn param_values(&mut self) -> Option<Arc<ParamValues>> {
+        if self.param_values.is_none() {
+            let made_for = self.scene.as_ref()?.made_for();
+            self.param_values = made_for.or_else(|| self.chosen_values()).map(Arc::new);
+        }
+        self.param_values.clone()
+    }
+
+    /// Returns the chosen values of the scene's params.
+    pub fn chosen_values(&self) -> Option<ParamValues> {
         let scene = self.scene.as_ref()?;
-        let choices = &self.choices;
-        let param_values = self.param_values.get_or_insert_with(|| {
-            let mut param_values = ParamValues::initial(scene);
-            for param in &scene.params {
-                let Some(values) = choices.params.get(&param.name) else {
-                    continue;
-                };
-                let mut all = param_values.param(param).to_vec();
-                for ((value, chosen), range) in all.iter_mut().zip(values).zip(&param.ranges) {
-                    if let Some(chosen) = chosen.filter(|it| it.is_finite()) {
-                        *value = chosen.clamp(range.min, range.max);
-                    }
-                }
-                // Within their intervals, values are not refused.
-                let _ = param_values.set(scene, &param.name, &all);
-            }
-            Arc::new(param_values)
-        });
-        Some(Arc::clone(param_values))
+        Some(chosen_values(scene, &self.choices.params))
     }
 
     /// Returns the objects of the scene that are hidden in space.
@@ -439,7 +437,7 @@ impl Model {
         let Some(scene) = self.scene.clone() else {
             return false;
         };
-        let Some(param_values) = self.param_values() else {
+        let Some(param_values) = self.chosen_values() else {
             return false;
         };
         let mut moved = false;

@@ -269,12 +269,13 @@ impl Core {
         self.note_motion();
     }
 
-    /// Compiles the text, if it has changed.
+    /// Compiles the text if it has changed, and makes the scene of the chosen params.
     fn read(&mut self) {
         if std::mem::take(&mut self.is_unread) && self.compile() {
             // A camera that the reader has not moved sees everything of a new scene too.
             self.model.reframe();
         }
+        self.model.rerun();
     }
 
     /// Compiles the text. Returns whether the scene has changed.

@@ -37,6 +37,7 @@ pub fn remembered(
     model.turn_to(known.choices);
     model.is_light = is_light;
     model.take_scene(Arc::clone(scene));
+    model.rerun();
     let mut library = Library::default();
     for name in model.surfaces() {
         if let TextureChoice::Image(path) = model.choices.texture(&name) {

@@ -86,7 +86,7 @@ impl Window {
     ) -> Result<Self, Failure> {
         let events = WindowEvents::new(context.clone());
         let sender = &events.sender;
-        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled))?;
+        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiler))?;
         let (own, known) = (compiler.clone(), languages.clone());
         let compile = move |place: &Path, version, text, changes| {
             let language = Arc::clone(languages.for_path(place));
@@ -184,6 +184,7 @@ impl Window {
         }
         let (known, mut trouble) = crate::io::persistence::load(&program);
         self.model.turn_to(known.choices.clone());
+        self.choose_params();
         if let Some(layout) = known.layouts.get(self.kind()) {
             let layout = serde_json::from_value::<Layout>(layout.clone());
             if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
@@ -195,6 +196,12 @@ impl Window {
             self.status_message = Some(StatusMessage::error(sentence));
         }
         self.keep_view_of(program, known);
+    }
+
+    /// Tells the compiler for which values of the params scripts are run.
+    fn choose_params(&self) {
+        let params = &self.model.choices.params;
+        self.text.compiler.choose(params.clone());
     }
 
     /// Returns the kind of window, by which the layouts of panes are saved.
@@ -235,7 +242,7 @@ impl Window {
     }
 
     /// Returns whether every view on the screen shows its newest picture and nothing is pending: no text to be
-    /// compiled, no fault to be shown, no pick to be answered, no click that may become a double click.
+    /// compiled, no script to be run, no fault to be shown, no pick to be answered, no click that may become a double click.
     pub fn is_settled(&self) -> bool {
         !self.pictures.is_waiting()
             && !self.pictures.render_thread.is_asked()
@@ -244,6 +251,7 @@ impl Window {
             && self.clicked_until().is_none()
             && !self.model.faults.are_waiting()
             && self.model.emphasis == Emphasis::Off
+            && !self.model.awaits_rerun()
             && !self.text.is_ahead_of(self.model.version)
     }
 
@@ -283,6 +291,9 @@ impl Window {
         }
         crate::ui::panes::show(self, ui);
         crate::ui::dialogs::show(self, ui);
+        if self.model.awaits_rerun() {
+            self.choose_params();
+        }
         self.request_pictures(ui);
         self.await_pictures(&context);
         if !context.will_discard() {

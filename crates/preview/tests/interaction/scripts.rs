@@ -43,6 +43,15 @@ fn t_is_a_slider_that_runs_the_script_anew_and_compiles_nothing() {
     assert_eq!(after.pipelines, before.pipelines);
     assert!(after.pictures > before.pictures);
     assert_eq!(text(&hand), SCRIPT);
+    // Another text is run for the same value.
+    let is_run_for_t = |hand: &Hand| {
+        let scene = hand.window().model().scene.clone().expect("a scene");
+        scene.made_for() == hand.window().model().chosen_values()
+    };
+    assert!(is_run_for_t(&hand));
+    hand.window_mut().set_text(SCRIPT.replace("50.0", "60.0"));
+    hand.settle();
+    assert!(is_run_for_t(&hand));
 }
 
 #[test]

@@ -1,8 +1,9 @@
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec2, DVec3};
 use render::view::space::SpaceView;
-use scene::ObjectId;
+use scene::{ObjectId, Rerun, Scene};
 
 use super::{Animation, Choices, Model, Step, advanced};
 use crate::Compiled;
@@ -15,8 +16,12 @@ fn compiled(text: &str) -> Compiled {
 }
 
 fn read(reader: &mut Reader, text: &str) -> Compiled {
+    read_as("a.gtr", reader, text)
+}
+
+fn read_as(path: &str, reader: &mut Reader, text: &str) -> Compiled {
     let read = reader.read(&SourceText {
-        language: &**ide::Languages::standard().default_language(),
+        language: &**ide::Languages::standard().for_path(path.as_ref()),
         text,
         changes: None,
     });
@@ -633,20 +638,47 @@ fn a_new_camera_has_a_name_that_is_free() {
 }
 
 #[test]
+fn a_script_is_not_run_again_where_t_moves() {
+    let script = read_as(
+        "a.crt",
+        &mut Reader::default(),
+        "Scene { Sphere { center -> vec3(t, 0, 0) radius -> 1 } }",
+    );
+    let mut scene = Scene::clone(&script.scene.clone().expect("a scene"));
+    let runs = Arc::new(AtomicU32::new(0));
+    let (counter, made) = (runs.clone(), scene.clone());
+    scene.rerun = Some(Rerun::new(vec![0.0], move |_| {
+        counter.fetch_add(1, Ordering::Relaxed);
+        made.clone()
+    }));
+    let mut model = Model::default();
+    model.take(Compiled {
+        scene: Some(Arc::new(scene)),
+        ..script
+    });
+    for value in [1.0, 2.0, 3.0] {
+        set(&mut model, "t", value);
+        let shown = model.param_values().expect("a scene");
+        assert_eq!(shown.uniforms(), [0.0], "those of the scene");
+        assert_eq!(model.chosen_values().expect("a scene").uniforms(), [value]);
+        assert!(model.awaits_rerun());
+    }
+    assert_eq!(runs.load(Ordering::Relaxed), 0);
+    model.rerun();
+    let shown = model.param_values().expect("a scene");
+    assert_eq!(shown.uniforms(), [3.0]);
+    assert!(!model.awaits_rerun());
+    assert_eq!(runs.load(Ordering::Relaxed), 1);
+}
+
+#[test]
 fn the_scene_of_a_script_is_that_of_its_params() {
     let text = "Scene {
         if (t > 5) { Box { cornerA -> vec3(-4, -1, 7) cornerB -> vec3(-2, 1, 9) } }
         Sphere { center -> vec3(2, 0, 8) radius -> 1 }
     }";
-    let languages = ide::Languages::standard();
-    let language = languages.for_path("a.crt".as_ref());
-    let source = SourceText {
-        language: &**language,
-        text,
-        changes: None,
-    };
     let mut model = Model::default();
-    model.take(Reader::default().read(&source).compiled(1, text.into()));
+    model.take(read_as("a.crt", &mut Reader::default(), text));
     let hide = |choices: &mut Choices| choices.looks.entry("3:9".into()).or_default().hidden = true;
     model.adjust(hide);
     let names = |model: &Model| -> Vec<String> {
@@ -669,11 +701,13 @@ fn the_scene_of_a_script_is_that_of_its_params() {
         (vec!["3:9".to_owned()], vec![0])
     );
     set(&mut model, "t", 7.0);
+    model.rerun();
     assert_eq!(
         (names(&model), hidden(&model)),
         (vec!["2:22".to_owned(), "3:9".to_owned()], vec![1])
     );
     model.undo();
+    model.rerun();
     assert_eq!(
         (names(&model), hidden(&model)),
         (vec!["3:9".to_owned()], vec![0])

@@ -161,6 +161,7 @@ impl Core {
         self.now = now;
         self.read();
         self.advance();
+        self.model.rerun();
         let next_end = self.let_end();
         let drawn = self.draw_next();
         self.send_changes();

@@ -7,7 +7,7 @@ use session::questions::MeasureAnswer;
 use session::textures::TextureRead;
 
 use crate::channel::EventSender;
-use crate::engine::compiler::CompiledText;
+use crate::engine::compiler::CompilerEvent;
 use crate::engine::render_thread::RenderEvent;
 use crate::io::file_dialogs::FileChoice;
 use crate::io::link::LinkEvent;
@@ -16,8 +16,8 @@ use crate::io::watch::ChangedFile;
 /// An event that a thread sends to the window.
 #[derive(Debug)]
 pub(crate) enum WindowEvent {
-    /// A text has been compiled.
-    Compiled(CompiledText),
+    /// A text has been compiled, or a scene made anew.
+    Compiler(CompilerEvent),
     /// The render thread has finished something.
     Render(Box<RenderEvent>),
     /// A question has been answered.

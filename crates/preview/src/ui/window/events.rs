@@ -9,7 +9,7 @@ use session::pane::Pane;
 
 use super::event::WindowEvent;
 use super::{Next, TextSource, Window};
-use crate::engine::compiler::CompiledText;
+use crate::engine::compiler::{CompiledText, CompilerEvent};
 use crate::engine::render_thread::{Purpose, RenderEvent};
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
@@ -32,12 +32,7 @@ impl Window {
 
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
         match event {
-            // The text of a program that is no longer shown.
-            WindowEvent::Compiled(text) if text.compiled.version <= self.text.begins_after => {}
-            WindowEvent::Compiled(text) => {
-                self.take_compiled(text);
-                self.open_wanted();
-            }
+            WindowEvent::Compiler(event) => self.take_compiler_event(event),
             WindowEvent::Render(event) => self.take_rendered(*event),
             WindowEvent::Measured(answer) => crate::ui::measure::take(self, *answer),
             WindowEvent::File(changed) => self.take_changed(changed),
@@ -49,6 +44,22 @@ impl Window {
             }
             WindowEvent::FileChoice(choice) => self.take_file_choice(choice),
             WindowEvent::Status(message) => self.status_message = Some(message),
+        }
+    }
+
+    fn take_compiler_event(&mut self, event: CompilerEvent) {
+        let version = match &event {
+            CompilerEvent::Compiled(text) => text.compiled.version,
+            CompilerEvent::Rerun { version, .. } => *version,
+        };
+        match event {
+            // Of a program that is no longer shown.
+            _ if version <= self.text.begins_after => {}
+            CompilerEvent::Compiled(text) => {
+                self.take_compiled(text);
+                self.open_wanted();
+            }
+            CompilerEvent::Rerun { scene, .. } => self.model.take_rerun(scene),
         }
     }
 

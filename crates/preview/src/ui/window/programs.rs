@@ -51,7 +51,7 @@ impl Window {
         views: Views,
     ) -> Result<Self, Failure> {
         let events = WindowEvents::new(context.clone());
-        let compiler = Compiler::start(events.sender.for_part(WindowEvent::Compiled))?;
+        let compiler = Compiler::start(events.sender.for_part(WindowEvent::Compiler))?;
         let editor = untitled(languages, UNTITLED, "");
         let source = TextSource::File {
             editor: Box::new(editor),
@@ -221,7 +221,7 @@ impl Window {
         };
         let sender = &self.events.sender;
         // If no new thread can be started, the previous program's continues.
-        if let Ok(compiler) = Compiler::start(sender.for_part(WindowEvent::Compiled)) {
+        if let Ok(compiler) = Compiler::start(sender.for_part(WindowEvent::Compiler)) {
             self.text.compiler = compiler;
         }
         self.records.view_store = None;

@@ -97,14 +97,13 @@ impl Window {
 
     /// Writes a param's value into the text.
     pub(crate) fn write_param(&mut self, name: &str) {
-        let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.param_values())
-        else {
+        let (Some(scene), Some(chosen)) = (&self.model.scene, self.model.chosen_values()) else {
             return;
         };
         let Some(param) = scene.params.iter().find(|param| param.name == name) else {
             return;
         };
-        let value = settings.param(param).to_vec();
+        let value = chosen.param(param).to_vec();
         self.write_numbers(name, value);
     }
 

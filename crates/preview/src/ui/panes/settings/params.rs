@@ -38,8 +38,7 @@ pub(crate) struct DefineValues {
 
 /// Draws the tab.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
-    let (Some(scene), Some(param_values)) =
-        (window.model.scene.clone(), window.model.param_values())
+    let (Some(scene), Some(chosen)) = (window.model.scene.clone(), window.model.chosen_values())
     else {
         return;
     };
@@ -49,12 +48,12 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     }
     let columns = Columns::new(ui, &scene.params);
     for param in &scene.params {
-        let values = param_values.param(param).to_vec();
+        let values = chosen.param(param).to_vec();
         for (k, value) in values.into_iter().enumerate() {
             row(window, ui, param, k, value, columns);
         }
     }
-    defines(window, ui, param_values);
+    defines(window, ui);
 }
 
 impl Columns {
@@ -94,7 +93,10 @@ fn text_width(ui: &Ui, text: String, style: TextStyle) -> f32 {
 }
 
 /// Shows the defines that depend on params, with their values.
-fn defines(window: &mut Window, ui: &mut Ui, params: Arc<ParamValues>) {
+fn defines(window: &mut Window, ui: &mut Ui) {
+    let Some(params) = window.model.param_values() else {
+        return;
+    };
     let version = window.model.version;
     let known = window.panes.defines.take();
     let known = known.filter(|it| it.version == version && it.params == params);
