@@ -52,12 +52,7 @@ impl Framing {
             return Ok(None);
         }
         let camera = self.camera(request, true)?;
-        if let Some(space) = request.view.space_mut() {
-            space.camera = Viewpoint {
-                projection: space.camera.projection,
-                ..Viewpoint::new(camera.eye, camera.target)
-            };
-        }
+        put_camera(request, &camera);
         Ok(Some(camera))
     }
 
@@ -115,6 +110,16 @@ impl Framing {
         let camera = camera.rolled(right);
         self.known = Some((key, camera));
         Ok(camera)
+    }
+}
+
+/// Sets the camera in a request of a view in space.
+pub fn put_camera(request: &mut PictureRequest, camera: &SpaceCamera) {
+    if let Some(space) = request.view.space_mut() {
+        space.camera = Viewpoint {
+            projection: space.camera.projection,
+            ..Viewpoint::new(camera.eye, camera.target)
+        };
     }
 }
 

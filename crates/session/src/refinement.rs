@@ -1,6 +1,6 @@
 //! Pictures that are coarse while a view moves, and traced pictures that are refined while it rests.
 //!
-//! In: the cost of the picture that a pane shows. Out: the size of the next picture, or the next request.
+//! In: a pane's last request, and the cost of the picture that it shows. Out: the next request.
 
 use render::{PictureRequest, ViewId};
 
@@ -39,44 +39,44 @@ impl PictureDetail {
     }
 }
 
-/// Returns the size of the picture of a view with room for a number of pixels. It is coarser while the view moves, if
-/// pictures take long, or may take long because none was `traced` yet. `shown` is the present picture.
-pub fn size(
-    preferences: &Preferences,
-    id: &ViewId,
-    room: [u32; 2],
-    moving: bool,
-    traced: bool,
-    shown: Option<PictureDetail>,
-) -> [u32; 2] {
+/// Returns the size of the picture at rest of a view with room for a number of pixels.
+pub fn size_at_rest(preferences: &Preferences, id: &ViewId, room: [u32; 2]) -> [u32; 2] {
     let wanted = match id.object {
         None => preferences.space_size,
         Some(_) => preferences.inside_size,
     };
     let shorter = f64::from(room[0].min(room[1]).max(1));
-    let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
-    if moving && let Some(shown) = shown {
-        let whole = shown.rate * f64::from(room[0]) * f64::from(room[1]) * scale * scale;
-        let share = (MOVING_PICTURE / whole.max(1e-9)).sqrt();
-        let may_be_coarsest = traced || whole > SLOW;
-        let (steps, least) = if may_be_coarsest {
-            (16.0, 0.0625)
-        } else {
-            (8.0, 0.25)
-        };
-        // In steps, so that the size does not change with every picture.
-        scale *= if traced && shown.samples.is_none() {
-            FIRST_TRACED
-        } else {
-            ((share * steps).floor() / steps).clamp(least, 1.0)
-        };
-    }
-    room.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
+    scaled(room, wanted.map_or(1.0, |side| f64::from(side) / shorter))
 }
 
-/// A pane whose traced picture is refined.
+/// Returns the size of the picture of a moving view, given that of its picture at rest. It is coarser if pictures take
+/// long, or may take long because none was `traced` yet. `shown` is the present picture.
+fn moving_size(at_rest: [u32; 2], traced: bool, shown: Option<PictureDetail>) -> [u32; 2] {
+    if traced && shown.is_none_or(|shown| shown.samples.is_none()) {
+        return scaled(at_rest, FIRST_TRACED);
+    }
+    let Some(shown) = shown else {
+        return at_rest;
+    };
+    let seconds = shown.rate * f64::from(at_rest[0]) * f64::from(at_rest[1]);
+    let share = (MOVING_PICTURE / seconds.max(1e-9)).sqrt();
+    let may_be_coarsest = traced || seconds > SLOW;
+    let (steps, least) = if may_be_coarsest {
+        (16.0, 0.0625)
+    } else {
+        (8.0, 0.25)
+    };
+    // In steps, so that the size does not change with every picture.
+    scaled(at_rest, ((share * steps).floor() / steps).clamp(least, 1.0))
+}
+
+fn scaled(size: [u32; 2], scale: f64) -> [u32; 2] {
+    size.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
+}
+
+/// The progress of a pane's pictures.
 #[derive(Clone, Copy, Debug)]
-pub struct TracedPane<'a> {
+pub struct PictureProgress<'a> {
     /// The request that was sent last.
     pub sent: Option<&'a PictureRequest>,
     /// The picture that is shown.
@@ -85,36 +85,27 @@ pub struct TracedPane<'a> {
     pub is_answered: bool,
     /// True if the view moves.
     pub moving: bool,
-    /// True if a picture of the moving view has just arrived, so that drawing one of another size would be wasteful.
-    pub again: bool,
 }
 
-impl TracedPane<'_> {
-    /// Returns the next request for the picture: a coarse one of a new view, a full-size one of a view at rest, and
-    /// then further samples, as many as take a moment, up to `most`; `None` if nothing is to be requested now.
-    /// `request` is the current request at the size of a picture at rest; `coarse` is the size of a moving one.
-    pub fn next(
-        &self,
-        mut request: PictureRequest,
-        coarse: [u32; 2],
-        most: u32,
-    ) -> Option<PictureRequest> {
+impl PictureProgress<'_> {
+    /// Returns the next request; `None` if nothing is to be requested now. `request` is the current request for a
+    /// picture at rest. A moving view is drawn as coarse as necessary, and only if it shows something new. A traced
+    /// picture is coarse at first, then of full size, and then gets further samples, as many as take a moment, up to
+    /// `most`.
+    pub fn next(&self, mut request: PictureRequest, most: u32) -> Option<PictureRequest> {
         let whole = request.size;
-        request.moving = false;
         request.view.set_samples(1);
+        let traced = request.view.samples().is_some();
         let is_known = self
             .sent
             .is_some_and(|sent| differ_by_refinement(sent, &request));
-        if self.moving || !is_known {
+        if self.moving || (traced && !is_known) {
             request.moving = true;
-            request.size = match self.sent {
-                Some(sent) if is_known && self.again => sent.size,
-                _ => coarse,
-            };
-            return (self.sent != Some(&request)).then_some(request);
+            request.size = moving_size(whole, traced, self.shown);
+            return (!is_known).then_some(request);
         }
-        let (Some(sent), Some(shown)) = (self.sent, self.shown) else {
-            return Some(request);
+        let Some(sent) = self.sent.filter(|_| traced) else {
+            return (self.sent != Some(&request)).then_some(request);
         };
         if !self.is_answered {
             return None;
@@ -124,7 +115,7 @@ impl TracedPane<'_> {
         }
         let done = sent.view.samples()?;
         let pixels = f64::from(whole[0]) * f64::from(whole[1]);
-        let step = (REFINED_STEP / (shown.rate * pixels).max(1e-9)) as u32;
+        let step = (REFINED_STEP / (self.shown?.rate * pixels).max(1e-9)) as u32;
         request
             .view
             .set_samples((done + step.clamp(1, done)).min(most));
@@ -136,38 +127,54 @@ impl TracedPane<'_> {
 mod tests {
     use std::sync::Arc;
 
+    use render::PictureRequest;
+    use render::request::part::SpaceOptions;
     use render::view::traced::TracedOptions;
-    use render::{PictureRequest, ViewId};
     use scene::ParamValues;
 
-    use super::{PictureDetail, TracedPane, size};
-    use crate::choices::Preferences;
+    use super::{PictureDetail, PictureProgress, moving_size};
 
     #[test]
     fn a_picture_that_takes_long_is_coarser_while_its_view_moves() {
-        let (preferences, id) = (Preferences::default(), ViewId::of_scene("3d"));
-        let size = |moving, traced, shown| {
-            let room = [400, 200];
-            size(&preferences, &id, room, moving, traced, shown)
-        };
+        let size = |traced, shown| moving_size([400, 200], traced, shown);
         let slow = PictureDetail::new([400, 200], 0.064, None);
-        assert_eq!(size(false, false, Some(slow)), [400, 200]);
-        assert_eq!(
-            size(true, false, Some(slow)),
-            [200, 100],
-            "a quarter of the time"
-        );
+        assert_eq!(size(false, Some(slow)), [200, 100], "a quarter of the time");
         let slowest = PictureDetail::new([400, 200], 8.8, None);
-        assert_eq!(size(true, false, Some(slowest)), [25, 16]);
-        assert_eq!(size(true, false, None), [400, 200]);
-        assert_eq!(
-            size(true, true, Some(slow)),
-            [100, 50],
-            "none was traced yet"
-        );
+        assert_eq!(size(false, Some(slowest)), [25, 16]);
+        assert_eq!(size(false, None), [400, 200]);
+        assert_eq!(size(true, None), [100, 50]);
+        assert_eq!(size(true, Some(slow)), [100, 50], "none was traced yet");
         let traced = PictureDetail::new([400, 200], 8.8, Some([3, 2]));
         assert_eq!(traced.samples, Some(3));
-        assert_eq!(size(true, true, Some(traced)), [25, 16]);
+        assert_eq!(size(true, Some(traced)), [25, 16]);
+    }
+
+    #[test]
+    fn a_moving_view_is_drawn_only_where_it_shows_something_new() {
+        let scene = scene::geotrace::compile("point p = (0, 0, 0);").scene;
+        let scene = Arc::new(scene.expect("no errors"));
+        let params = ParamValues::initial(&scene);
+        let now = PictureRequest::new(&scene, params, SpaceOptions::default(), [64; 2]);
+        let mut pane = PictureProgress {
+            sent: None,
+            shown: Some(PictureDetail::new([64; 2], 0.064, None)),
+            is_answered: true,
+            moving: true,
+        };
+        let coarse = pane.next(now.clone(), 4).expect("a request");
+        assert_eq!((coarse.size, coarse.moving), ([32; 2], true));
+        pane.sent = Some(&coarse);
+        assert!(pane.next(now.clone(), 4).is_none());
+        let mut other = now.clone();
+        other.overlays.axes = true;
+        assert!(pane.next(other, 4).is_some_and(|it| it.moving));
+        pane.moving = false;
+        let whole = pane.next(now.clone(), 4).expect("a request");
+        assert!(whole == now && !whole.moving);
+        pane.sent = Some(&whole);
+        assert!(pane.next(now.clone(), 4).is_none());
+        pane.moving = true;
+        assert!(pane.next(now, 4).is_none());
     }
 
     #[test]
@@ -176,32 +183,31 @@ mod tests {
         let scene = Arc::new(scene::geotrace::compile(text).scene.expect("no errors"));
         let params = ParamValues::initial(&scene);
         let now = PictureRequest::new(&scene, params, TracedOptions::default(), [100; 2]);
-        let mut pane = TracedPane {
+        let mut pane = PictureProgress {
             sent: None,
             shown: None,
             is_answered: true,
             moving: false,
-            again: false,
         };
-        let first = pane.next(now.clone(), [25; 2], 4).expect("a request");
+        let first = pane.next(now.clone(), 4).expect("a request");
         assert_eq!((first.size, first.moving), ([25; 2], true));
         pane.sent = Some(&first);
         pane.shown = Some(PictureDetail::new([25; 2], 0.1, Some([1, 1])));
         pane.is_answered = false;
-        assert!(pane.next(now.clone(), [25; 2], 4).is_none());
+        assert!(pane.next(now.clone(), 4).is_none());
         pane.is_answered = true;
-        let whole = pane.next(now.clone(), [25; 2], 4).expect("a request");
+        let whole = pane.next(now.clone(), 4).expect("a request");
         assert_eq!((whole.size, whole.moving), ([100; 2], false));
         assert_eq!(whole.view.samples(), Some(1));
         pane.sent = Some(&whole);
-        let finer = pane.next(now.clone(), [25; 2], 4).expect("a request");
+        let finer = pane.next(now.clone(), 4).expect("a request");
         assert_eq!(finer.view.samples(), Some(2));
         pane.sent = Some(&finer);
         // A picture that takes no time is refined to twice the samples at most.
         pane.shown = Some(PictureDetail::new([100; 2], 0.0, Some([2, 1])));
-        let finest = pane.next(now.clone(), [25; 2], 3).expect("a request");
+        let finest = pane.next(now.clone(), 3).expect("a request");
         assert_eq!(finest.view.samples(), Some(3));
         pane.sent = Some(&finest);
-        assert!(pane.next(now, [25; 2], 3).is_none());
+        assert!(pane.next(now, 3).is_none());
     }
 }

@@ -23,11 +23,9 @@ pub struct PaneRequest<'a> {
     pub size: [u32; 2],
     /// The surface whose geodesic camera the views in space show.
     pub active: Option<&'a str>,
-    /// True while the view moves: a picture at once is then worth more than a fine one.
-    pub moving: bool,
 }
 
-/// Returns the request for the picture of a pane; nothing if there is nothing to see.
+/// Returns the request for the picture of a pane at rest; nothing if there is nothing to see.
 pub fn picture_request(
     model: &mut Model,
     library: &mut Library<impl ImageSource>,
@@ -63,7 +61,6 @@ pub fn picture_request(
     let mut request = PictureRequest::new(&scene, model.param_values()?, view, pane.size);
     request.trails = trails(model, &scene, &marks, own, is_in_space);
     request.images = library.named(&scene);
-    request.moving = pane.moving;
     request.overlays = overlays(&marks);
     request.colours = colours(model, own.is_none());
     request.colours.retain(|(id, _)| !hidden.contains(id));

@@ -52,7 +52,6 @@ pub fn remembered(
         id,
         size,
         active: active.as_deref(),
-        moving: false,
     };
     let request = picture_request(&mut model, &mut library, views, pane);
     let mut request = request.ok_or_else(|| format!("there is no view `{id}`"))?;

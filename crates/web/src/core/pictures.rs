@@ -6,11 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use render::viewpoint::Viewpoint;
+use render::rendered::RenderedImage;
 use render::{PictureRequest, ViewId};
 use session::camera_input::{CameraKind, geodesic, space};
-use session::refinement::{self, PictureDetail, TracedPane};
-use session::request::{PaneRequest, differ_by_refinement, picture_request};
+use session::framing::put_camera;
+use session::refinement::{self, PictureDetail, PictureProgress};
+use session::request::{PaneRequest, picture_request};
 
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
@@ -214,71 +215,42 @@ impl Core {
         Next::Nothing
     }
 
-    /// The request for a pane's picture, where it is another one than that which was drawn last; a sentence if there
-    /// is nothing to see.
+    /// Returns the next request for a pane's picture, or a sentence if there is nothing to see: see
+    /// [`PictureProgress::next`].
     fn wanted(&mut self, id: &ViewId) -> Option<Result<PictureRequest, String>> {
-        let moving = self.is_moving();
-        if self.shows_traced(id) {
-            return self.refined(id, moving);
-        }
-        let size = self.size(id, moving, false)?;
-        let Some(request) = self.request(id, size, moving) else {
+        let Some(request) = self.request(id, self.size(id)?) else {
             return Some(Err(self.nothing(id)));
         };
-        // While something moves, a different size alone does not justify a new picture.
-        let is_shown = |sent: &PictureRequest| match moving {
-            true => differ_by_refinement(sent, &request),
-            false => *sent == request,
-        };
-        let is_shown = self.pictures.sent(id).is_some_and(is_shown);
-        (!is_shown).then_some(Ok(request))
-    }
-
-    fn size(&self, id: &ViewId, moving: bool, traced: bool) -> Option<[u32; 2]> {
         let pane = self.pictures.panes.get(id)?;
         // One thread draws all panes, so each picture effectively takes the time of all of them.
         let panes = self.pictures.panes.len() as f64;
-        let shown = pane.shown.map(|shown| PictureDetail {
-            rate: panes * shown.rate,
-            ..shown
-        });
-        let preferences = &self.model.choices.preferences;
-        let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
-        Some(size)
-    }
-
-    /// Returns the next request for a traced picture: a coarse one of a new view, a full-size one of a view at rest,
-    /// and then further samples.
-    fn refined(&mut self, id: &ViewId, moving: bool) -> Option<Result<PictureRequest, String>> {
-        let [coarse, whole] = [self.size(id, true, true)?, self.size(id, false, true)?];
-        let Some(request) = self.request(id, whole, false) else {
-            return Some(Err(self.nothing(id)));
-        };
-        let pane = self.pictures.panes.get(id)?;
-        let pane = TracedPane {
+        let progress = PictureProgress {
             sent: pane.request.as_ref(),
-            shown: pane.shown,
+            shown: pane.shown.map(|shown| PictureDetail {
+                rate: panes * shown.rate,
+                ..shown
+            }),
             is_answered: pane.message.is_none(),
-            moving,
-            again: false,
+            moving: self.is_moving(),
         };
         let most = self.model.choices.preferences.samples;
-        pane.next(request, coarse, most).map(Ok)
+        progress.next(request, most).map(Ok)
     }
 
-    /// Returns the request for a picture of a view.
-    pub(super) fn request(
-        &mut self,
-        id: &ViewId,
-        size: [u32; 2],
-        moving: bool,
-    ) -> Option<PictureRequest> {
+    /// Returns the size of a pane's picture at rest.
+    fn size(&self, id: &ViewId) -> Option<[u32; 2]> {
+        let pane = self.pictures.panes.get(id)?;
+        let preferences = &self.model.choices.preferences;
+        Some(refinement::size_at_rest(preferences, id, pane.room))
+    }
+
+    /// Returns the request for a picture of a view at rest.
+    pub(super) fn request(&mut self, id: &ViewId, size: [u32; 2]) -> Option<PictureRequest> {
         let surface = self.active_surface();
         let pane = PaneRequest {
             id,
             size,
             active: surface.as_deref(),
-            moving,
         };
         picture_request(&mut self.model, &mut self.library, &self.views, pane)
     }
@@ -291,11 +263,6 @@ impl Core {
         let last = self.pictures.surface.as_ref();
         let last = last.filter(|last| seen.clone().any(|seen| seen == *last));
         last.or_else(|| seen.next()).cloned()
-    }
-
-    fn shows_traced(&self, id: &ViewId) -> bool {
-        let can_be = id.object.is_none() && self.views.instead_of(&id.kind).is_some();
-        can_be && self.model.choices.preferences.traced
     }
 
     fn nothing(&self, id: &ViewId) -> String {
@@ -337,10 +304,10 @@ impl Core {
     }
 
     /// Draws a picture. Returns `None` if it cannot be drawn, which is reported to the page.
-    fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<DrawnPicture> {
+    fn draw(&mut self, id: &ViewId, mut request: PictureRequest) -> Option<DrawnPicture> {
         let start = web_time::Instant::now();
-        let at_rest = self.size(id, false, self.shows_traced(id))?;
-        let drawn = self.drawn(&request, at_rest);
+        let at_rest = self.size(id)?;
+        let drawn = self.drawn(&mut request, at_rest);
         let took = start.elapsed().as_secs_f64();
         self.pictures.drawn += 1;
         let number = self.pictures.drawn;
@@ -356,7 +323,7 @@ impl Core {
                 is_busy: false,
             });
         }
-        let (filled, image, pixels) = match drawn {
+        let (image, pixels) = match drawn {
             Ok(drawn) => drawn,
             Err(message) => {
                 self.pictures.panes.get_mut(id)?.request = Some(request);
@@ -369,7 +336,7 @@ impl Core {
         pane.message = None;
         pane.is_awaited = true;
         pane.shown = Some(PictureDetail::new(request.size, took, image.samples));
-        pane.request = Some(filled.unwrap_or(request));
+        pane.request = Some(request);
         let wanted = self.model.choices.preferences.samples;
         let info = PictureInfo {
             view: id.to_string(),
@@ -386,20 +353,12 @@ impl Core {
     }
 
     /// Draws a picture, and takes over the camera that sees everything, determined for the size `at_rest`, since the
-    /// sides of a coarse picture are rounded. Returns the request with that camera, if the picture would be the same
-    /// with it.
+    /// sides of a coarse picture are rounded. The request gets that camera, if the picture would be the same with it.
     fn drawn(
         &mut self,
-        request: &PictureRequest,
+        request: &mut PictureRequest,
         at_rest: [u32; 2],
-    ) -> Result<
-        (
-            Option<PictureRequest>,
-            render::rendered::RenderedImage,
-            Vec<u8>,
-        ),
-        String,
-    > {
+    ) -> Result<(RenderedImage, Vec<u8>), String> {
         let sentence = |error: render::RenderError| error.to_string();
         let mut whole = request.clone();
         whole.size = at_rest;
@@ -409,22 +368,14 @@ impl Core {
         let empty = render::gpu::Pixels::Image(image::RgbaImage::default());
         let pixels = std::mem::replace(&mut image.image, empty);
         let pixels = self.renderer.read(pixels).map_err(sentence)?.into_raw();
-        let mut filled = None;
         if let Some(home) = home {
             // With a declared camera each picture determines it again: it may depend on params.
             if !self.model.follows_declared_camera() {
-                let mut same = request.clone();
-                if let Some(space) = same.view.space_mut() {
-                    space.camera = Viewpoint {
-                        projection: space.camera.projection,
-                        ..Viewpoint::new(home.eye, home.target)
-                    };
-                }
-                filled = Some(same);
+                put_camera(request, &home);
             }
             self.model.take_first_camera(home);
         }
-        Ok((filled, image, pixels))
+        Ok((image, pixels))
     }
 
     /// Returns the position of a view's camera in words.

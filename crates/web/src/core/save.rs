@@ -28,7 +28,7 @@ impl Core {
     pub fn save_picture(&mut self, view: &str, size: [u32; 2]) -> Result<Saved, String> {
         self.read();
         let id = ViewId::from(view);
-        let request = self.request(&id, size, false);
+        let request = self.request(&id, size);
         let request = request.ok_or("there is nothing to see")?;
         let request = at_rest(request, &self.model, size);
         let drawn = render::render(&self.views, &request, Backend::Software, &|_| {});
@@ -52,7 +52,7 @@ impl Core {
         let format = MeshFormat::from_extension(extension)
             .ok_or_else(|| format!("there is no format `{extension}`"))?;
         let id = ViewId::of_scene(self.views.first().name());
-        let request = self.request(&id, [256; 2], false);
+        let request = self.request(&id, [256; 2]);
         let request = request.ok_or("there is nothing to export")?;
         let request = at_rest(request, &self.model, [256; 2]);
         let model = mesh::model(&request, None);

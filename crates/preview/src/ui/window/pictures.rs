@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use egui::Ui;
 use render::rendered::RenderedImage;
-use render::viewpoint::Viewpoint;
 use render::{PictureRequest, Renderer, ViewId};
-use session::refinement::{self, TracedPane};
+use session::framing::put_camera;
+use session::refinement::{self, PictureProgress};
 use session::request::{PaneRequest, at_rest, picture_request};
-use session::{Model, Preferences, SpaceCamera};
+use session::{Model, SpaceCamera};
 
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
@@ -43,19 +43,6 @@ impl Pictures {
         Some(took.sum())
     }
 
-    /// Returns the size of the picture for a pane: see [`refinement::size`].
-    fn size(
-        &self,
-        preferences: &Preferences,
-        pane: &ViewId,
-        pixels: [u32; 2],
-        moving: bool,
-        traced: bool,
-    ) -> [u32; 2] {
-        let shown = self.shown(pane).map(|picture| picture.detail);
-        refinement::size(preferences, pane, pixels, moving, traced, shown)
-    }
-
     /// Returns the request that was sent last for a pane's picture.
     pub(crate) fn sent(&self, pane: &ViewId) -> Option<&PictureRequest> {
         self.of_views.get(pane)?.request.as_ref()
@@ -73,7 +60,7 @@ impl Pictures {
         let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
         let size = room.map_or(request.size, |room| {
-            self.size(preferences, pane, room, false, false)
+            refinement::size_at_rest(preferences, pane, room)
         });
         Some(at_rest(request, model, size))
     }
@@ -132,7 +119,6 @@ impl Window {
     /// another view come last.
     pub(super) fn request_pictures(&mut self, ui: &Ui) {
         let moving = ui.input(|input| input.time) < self.display.clock.moving_until;
-        let again = ui.ctx().current_pass_index() > 0;
         let seen = self
             .pictures
             .of_views
@@ -141,7 +127,7 @@ impl Window {
         let seen: Vec<ViewId> = seen.map(|(pane, _)| pane.clone()).collect();
         let mut following = Vec::new();
         for pane in seen {
-            let Some(picture) = self.wanted_picture(&pane, moving, again) else {
+            let Some(picture) = self.wanted_picture(&pane, moving) else {
                 continue;
             };
             let view = self.pictures.of_views.entry(pane.clone()).or_default();
@@ -158,70 +144,26 @@ impl Window {
         }
     }
 
-    /// Returns the request for a pane's picture, if it differs from the one that was sent last.
-    fn wanted_picture(
-        &mut self,
-        pane: &ViewId,
-        moving: bool,
-        again: bool,
-    ) -> Option<PictureRequest> {
-        if self.shows_traced(pane) {
-            return self.refined_picture(pane, moving, again);
-        }
-        let view = self.pictures.of_views.get(pane)?;
-        let size = match &view.request {
-            // A picture that has just arrived is not replaced by one of a size that would have been faster.
-            Some(sent) if moving && again => sent.size,
-            _ => {
-                let preferences = &self.model.choices.preferences;
-                self.pictures
-                    .size(preferences, pane, view.room?, moving, false)
-            }
-        };
-        let request = self.picture_request(pane, size, moving)?;
-        (self.pictures.sent(pane) != Some(&request)).then_some(request)
-    }
-
-    fn picture_request(
-        &mut self,
-        pane: &ViewId,
-        size: [u32; 2],
-        moving: bool,
-    ) -> Option<PictureRequest> {
-        let active = self.focus.surface.clone();
-        let pane = PaneRequest {
+    /// Returns the next request for a pane's picture: see [`PictureProgress::next`].
+    fn wanted_picture(&mut self, pane: &ViewId, moving: bool) -> Option<PictureRequest> {
+        let room = self.pictures.of_views.get(pane)?.room?;
+        let asked = PaneRequest {
             id: pane,
-            size,
-            active: active.as_deref(),
-            moving,
+            size: refinement::size_at_rest(&self.model.choices.preferences, pane, room),
+            active: self.focus.surface.as_deref(),
         };
         let library = &mut self.pictures.library;
-        picture_request(&mut self.model, library, &self.views, pane)
-    }
-
-    /// Returns the next request for a pane's traced picture: see [`TracedPane::next`].
-    fn refined_picture(
-        &mut self,
-        pane: &ViewId,
-        moving: bool,
-        again: bool,
-    ) -> Option<PictureRequest> {
-        let room = self.pictures.of_views.get(pane)?.room?;
-        let preferences = self.model.choices.preferences.clone();
-        let size = |moving| self.pictures.size(&preferences, pane, room, moving, true);
-        let [coarse, whole] = [size(true), size(false)];
-        let request = self.picture_request(pane, whole, false)?;
+        let request = picture_request(&mut self.model, library, &self.views, asked)?;
         let view = self.pictures.of_views.get(pane)?;
         let shown = view.picture.as_ref();
         let has_failed = shown.is_some_and(|shown| shown.error.is_some());
-        let pane = TracedPane {
+        let progress = PictureProgress {
             sent: view.request.as_ref(),
             shown: shown.map(|shown| shown.detail),
             is_answered: view.waiting == Waiting::No && !has_failed,
             moving,
-            again,
         };
-        pane.next(request, coarse, preferences.samples)
+        progress.next(request, self.model.choices.preferences.samples)
     }
 
     /// Returns whether a pane shows the whole scene ray-traced.
@@ -321,12 +263,7 @@ impl Window {
         }
         if sent == request {
             // The same picture would be drawn with it.
-            if let Some(space) = sent.view.space_mut() {
-                space.camera = Viewpoint {
-                    projection: space.camera.projection,
-                    ..Viewpoint::new(first.eye, first.target)
-                };
-            }
+            put_camera(sent, &first);
         }
         self.model.take_first_camera(first);
     }
