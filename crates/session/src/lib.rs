@@ -65,7 +65,7 @@ pub use history::{History, Step};
 pub use inside_camera::{ChartCamera, InsideCamera, SolidCamera};
 pub use model::Model;
 pub use path::CameraPath;
-pub use program::{Compiled, Finding};
+pub use program::{Compiled, Finding, ReadProgram};
 
 /// The kind of a sentence of the status line, which determines how long it is shown.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

@@ -21,7 +21,7 @@ use super::difference::Difference;
 use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
 use super::path::CameraPath;
-use super::program::Compiled;
+use super::program::{Compiled, ReadProgram};
 use placement::Placement;
 
 /// The background of the views in space in a light window, sRGB.
@@ -55,24 +55,14 @@ pub struct Model {
     pub choices: Choices,
     /// The steps that can be undone.
     pub history: History,
-    /// The scene that is shown: that of the params' values.
+    /// The scene that is shown: that of the params' values, unless it awaits a rerun.
     pub scene: Option<Arc<Scene>>,
-    /// The text that was compiled last.
-    pub text: Arc<str>,
-    /// Its version.
-    pub version: i32,
-    /// True if it has no errors.
-    pub ok: bool,
-    /// True once a text has been compiled.
+    /// The program that was read last.
+    pub program: ReadProgram,
+    /// True once a text has been read.
     pub read: bool,
-    /// The time that its compilation took.
-    pub took: std::time::Duration,
-    /// Its faults that are shown.
+    /// The faults of the program that are shown.
     pub faults: ProgramFaults,
-    /// The declarations of the text, in order.
-    pub declared: Vec<DeclarationRange>,
-    /// The analysis of the text, for editor features.
-    analysis: Option<Arc<dyn Analysis>>,
     /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
     /// The state of that object's emphasis in the views in space. It ends after a while, so that the object's colours
@@ -104,25 +94,20 @@ impl Model {
     /// Drops the program that is shown, with its scene.
     pub fn forget_program(&mut self) {
         self.scene = None;
-        self.text = "".into();
+        self.program = ReadProgram {
+            version: self.program.version,
+            ..ReadProgram::default()
+        };
         self.read = false;
-        self.ok = false;
         self.faults = ProgramFaults::default();
-        self.declared.clear();
-        self.analysis = None;
         self.highlighted = None;
         self.controllers.clear();
     }
 
     /// Takes over a compiled text. What the text does not determine stays as it is.
     pub fn take(&mut self, compiled: Compiled) {
-        self.text = compiled.text;
-        self.version = compiled.version;
-        self.ok = compiled.ok;
+        self.program = compiled.program;
         let is_first = !std::mem::replace(&mut self.read, true);
-        self.took = compiled.took;
-        self.declared = compiled.declared;
-        self.analysis = compiled.analysis;
         let stale = if compiled.scene.is_some() {
             compiled.stale.into_iter().collect()
         } else {
@@ -314,19 +299,19 @@ impl Model {
         let (Some(scene), Some(param_values)) = (self.scene.clone(), self.param_values()) else {
             return Vec::new();
         };
-        let Some(analysis) = &self.analysis else {
+        let Some(analysis) = &self.program.analysis else {
             return Vec::new();
         };
         let params = scene.params.iter();
         let values = params.map(|param| (param.name.clone(), param_values.param(param).to_vec()));
         let values: BTreeMap<String, Vec<f64>> = values.collect();
-        let whole = Span::new(0, self.text.len() as u32);
+        let whole = Span::new(0, self.program.text.len() as u32);
         let hints = analysis.preview_values(whole, &values).into_iter();
         let named = hints.filter_map(|hint| {
             let holds =
                 |it: &&DeclarationRange| (it.span.start..=it.span.end).contains(&hint.offset);
-            let declared = self.declared.iter().find(holds)?;
-            let name = declared.name_span.text(&self.text);
+            let declared = self.program.declared.iter().find(holds)?;
+            let name = declared.name_span.text(&self.program.text);
             (!values.contains_key(name)).then(|| (name.to_owned(), hint.label))
         });
         named.collect()
@@ -377,8 +362,11 @@ impl Model {
 
     /// Returns the name of the object whose declaration contains an offset of the text.
     pub fn declared_at(&self, offset: u32) -> Option<&str> {
-        let next = self.declared.partition_point(|it| it.span.start <= offset);
-        let declared = self.declared.get(next.checked_sub(1)?)?;
+        let next = self
+            .program
+            .declared
+            .partition_point(|it| it.span.start <= offset);
+        let declared = self.program.declared.get(next.checked_sub(1)?)?;
         let name = self
             .name(declared)
             .filter(|_| offset <= declared.span.end)?;
@@ -387,23 +375,23 @@ impl Model {
 
     /// Returns the text that was compiled last, for editor features.
     pub fn read_text(&self) -> Option<ReadText> {
-        let analysis = self.analysis.clone()?;
+        let analysis = self.program.analysis.clone()?;
         Some(ReadText {
-            version: self.version,
+            version: self.program.version,
             analysis,
         })
     }
 
     /// Returns the range in which the text declares a name.
     pub fn place_of(&self, name: &str) -> Option<Span> {
-        let mut declared = self.declared.iter();
+        let mut declared = self.program.declared.iter();
         let found = declared.find(|it| self.name(it) == Some(name))?;
         Some(found.name_span)
     }
 
     fn name(&self, declared: &DeclarationRange) -> Option<&str> {
         let Span { start, end } = declared.name_span;
-        self.text.get(start as usize..end as usize)
+        self.program.text.get(start as usize..end as usize)
     }
 
     /// Returns the status line's sentence about the text.

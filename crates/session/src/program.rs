@@ -12,12 +12,8 @@ use syntax::span::Span;
 /// The result of compiling a text.
 #[derive(Clone, Debug)]
 pub struct Compiled {
-    /// The text's version.
-    pub version: i32,
-    /// The text.
-    pub text: Arc<str>,
-    /// True if the text has no errors.
-    pub ok: bool,
+    /// The program.
+    pub program: ReadProgram,
     /// The diagnostics, sorted by position.
     pub findings: Arc<[Finding]>,
     /// The scene. For a text with errors, it has the declarations without errors in their current form, and the others
@@ -25,6 +21,17 @@ pub struct Compiled {
     pub scene: Option<Arc<Scene>>,
     /// The objects of the scene that are shown in their last valid form, and those that depend on them.
     pub stale: Vec<String>,
+}
+
+/// A program as it was read from a text.
+#[derive(Clone, Debug, Default)]
+pub struct ReadProgram {
+    /// The text's version.
+    pub version: i32,
+    /// The text.
+    pub text: Arc<str>,
+    /// True if the text has no errors.
+    pub ok: bool,
     /// The declarations of the text, in order.
     pub declared: Vec<DeclarationRange>,
     /// The analysis of the text, for editor features; `None` if the text cannot be read.

@@ -16,7 +16,7 @@ use syntax::diagnostic::{Code, Diagnostic, Severity};
 use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
-use crate::program::{Compiled, Finding};
+use crate::program::{Compiled, Finding, ReadProgram};
 
 /// Keeps the program of the text that was read last.
 #[derive(Debug, Default)]
@@ -54,15 +54,17 @@ impl Read {
     pub fn compiled(self, version: i32, text: Arc<str>) -> Compiled {
         let findings = findings(&text, &self.diagnostics);
         Compiled {
-            version,
-            ok: findings.iter().all(|it| it.severity != Severity::Error),
+            program: ReadProgram {
+                version,
+                ok: findings.iter().all(|it| it.severity != Severity::Error),
+                declared: self.declarations,
+                analysis: self.analysis,
+                text,
+                took: Duration::ZERO,
+            },
             findings,
             scene: self.program.scene,
             stale: self.program.stale,
-            declared: self.declarations,
-            analysis: self.analysis,
-            text,
-            took: Duration::ZERO,
         }
     }
 }
@@ -78,11 +80,10 @@ pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
         hint: Some("please report it, with the program".to_owned()),
         fixes: Vec::new(),
     };
-    Compiled {
-        ok: false,
-        findings: [fault].into(),
-        ..Read::default().compiled(version, text)
-    }
+    let mut compiled = Read::default().compiled(version, text);
+    compiled.program.ok = false;
+    compiled.findings = [fault].into();
+    compiled
 }
 
 /// Adds lines and columns to diagnostics.

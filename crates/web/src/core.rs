@@ -295,7 +295,7 @@ impl Core {
             findings: self.editing.findings(&read.diagnostics),
         });
         let mut compiled = read.compiled(version, self.editing.source().as_str().into());
-        compiled.took = start.elapsed();
+        compiled.program.took = start.elapsed();
         let is_fresh = compiled.scene.is_some();
         self.model.take(compiled);
         self.library.look_again();

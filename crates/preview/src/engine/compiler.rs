@@ -156,9 +156,9 @@ fn work(
                 }
                 if let Some(scene) = &mut compiled.scene {
                     *scene = scene.at(&chosen_values(scene, &chosen));
-                    last = Some((compiled.version, Arc::clone(scene)));
+                    last = Some((compiled.program.version, Arc::clone(scene)));
                 }
-                compiled.took = start.elapsed();
+                compiled.program.took = start.elapsed();
                 CompilerEvent::Compiled(CompiledText { compiled, arrived })
             }
             Order::Params(params) => {
@@ -240,10 +240,10 @@ mod tests {
         })
         .expect("a thread");
         compile(&compiler, 1, "point p = (1, 2, 3);");
-        assert!(next(&events).ok);
+        assert!(next(&events).program.ok);
         compile(&compiler, 2, "point fault = (1, 2, 3);");
         let fault = next(&events);
-        assert_eq!((fault.version, fault.ok), (2, false));
+        assert_eq!((fault.program.version, fault.program.ok), (2, false));
         assert!(fault.scene.is_none() && fault.stale.is_empty());
         let [finding] = &fault.findings[..] else {
             panic!("{:?}", fault.findings);
@@ -252,7 +252,7 @@ mod tests {
         assert_eq!((finding.line, finding.message.as_str()), (1, wanted));
         compile(&compiler, 3, "point q = (1, 2, 3);");
         let good = next(&events);
-        assert!(good.ok && good.findings.is_empty());
+        assert!(good.program.ok && good.findings.is_empty());
         assert_eq!(good.scene.expect("a scene").objects[0].name, "q");
     }
 
@@ -274,7 +274,7 @@ mod tests {
         }
         for version in [1, 200] {
             go_on.send(()).expect("it waits");
-            assert_eq!(next(&events).version, version);
+            assert_eq!(next(&events).program.version, version);
         }
         drop(compiler);
         assert!(events.recv().is_err(), "no other is read");
@@ -312,14 +312,14 @@ mod tests {
             edit(version as i32 + 1, &texts[version], Some(changes));
         }
         go_on.send(()).expect("it waits");
-        assert_eq!(next(&events).version, 1);
+        assert_eq!(next(&events).program.version, 1);
         let changes = begins.recv().expect("it begins").expect("changes");
         assert_eq!(changes.apply(&texts[0]).as_ref(), Some(&texts[2]));
         go_on.send(()).expect("it waits");
         let last = next(&events);
         let scene = last.scene.expect("a scene");
         let names: Vec<&str> = scene.objects.iter().map(|it| it.name.as_str()).collect();
-        assert_eq!((last.version, names), (3, vec!["p", "q"]));
+        assert_eq!((last.program.version, names), (3, vec!["p", "q"]));
     }
     #[test]
     fn of_values_that_are_chosen_while_a_script_runs_only_the_last_run_it_again() {

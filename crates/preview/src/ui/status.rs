@@ -47,7 +47,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
             };
             let status = window.model.status();
             let link = ui.link(RichText::new(capitalised(&status)).color(colour));
-            let took = window.model.took.as_secs_f64() * 1e3;
+            let took = window.model.program.took.as_secs_f64() * 1e3;
             let link = link.on_hover_text(format!("compiled in {took:.1} ms"));
             let link = link.accessible_name(format!("Status: {status}"));
             if link.clicked() {

@@ -252,7 +252,7 @@ impl Window {
             && !self.model.faults.are_waiting()
             && self.model.emphasis == Emphasis::Off
             && !self.model.awaits_rerun()
-            && !self.text.is_ahead_of(self.model.version)
+            && !self.text.is_ahead_of(self.model.program.version)
     }
 
     /// Draws the window.

@@ -71,7 +71,7 @@ fn a_scene_beyond_its_limits_is_a_sentence() {
     let text = "grid g : [0, 1, 100000], [0, 1, 100000];\npoint p = (g_1, g_2, 0);\n";
     hand.window_mut().set_text(text.to_owned());
     hand.until("it is read", |hand| {
-        hand.window().model().text.as_ref() == text
+        hand.window().model().program.text.as_ref() == text
     });
     hand.settle();
     let words = hand.names().join("\n");

@@ -146,10 +146,10 @@ metric m(u,v) = (1, 0, 1 + u^2), u : [0, 1], v : [0, 1];\n"
         hand.settle();
         hand.click(&front);
         hand.settle();
-        let version = hand.window().model().version;
+        let version = hand.window().model().program.version;
         hand.window_mut().set_text(text.replace(&from[2..], to));
         hand.until("the error is shown", |hand| {
-            hand.window().model().version > version && hand.window().model().is_stale()
+            hand.window().model().program.version > version && hand.window().model().is_stale()
         });
         // In the frame in which the status line tells it.
         assert!(hand.shows("Status: 1 error"), "{:?}", hand.names());
@@ -185,10 +185,11 @@ fn the_geodesic_view_of_what_is_declared_at_the_cursor_is_set_off() {
 #[test]
 fn a_file_that_changes_on_disk_is_followed_also_when_it_is_replaced() {
     let mut hand = Hand::on(SPHERE);
-    let version = hand.window().model().version;
+    let version = hand.window().model().program.version;
     std::fs::write(&hand.path, "point a = (1, 2, 3);\n").expect("written");
     hand.until("the new text is shown", |hand| {
-        hand.window().model().version > version && hand.window().model().object("a").is_some()
+        hand.window().model().program.version > version
+            && hand.window().model().object("a").is_some()
     });
     let other = hand.path.with_file_name("other");
     std::fs::write(&other, "point b = (1, 2, 3);\n").expect("written");
@@ -269,7 +270,7 @@ fn a_value_that_is_written_into_the_text_is_one_step_back() {
         undo_in_text(&mut hand, Key::Z);
         assert_eq!(hand.window().text(), Some(SPHERE));
         let model = hand.window().model();
-        assert_eq!(&*model.text, SPHERE, "it is compiled");
+        assert_eq!(&*model.program.text, SPHERE, "it is compiled");
     }
     undo_in_text(&mut hand, Key::Y);
     assert_eq!(hand.window().text(), Some(written.as_str()), "and forward");

@@ -11,10 +11,10 @@ const PAUSE: usize = (0.5 / FRAME) as usize;
 
 /// Types a text and waits until it is compiled.
 fn types(hand: &mut Hand, text: &str) {
-    let version = hand.window().model().version;
+    let version = hand.window().model().program.version;
     hand.harness.event(Event::Text(text.to_owned()));
     hand.until("it is compiled", |hand| {
-        hand.window().model().version > version
+        hand.window().model().program.version > version
     });
 }
 
@@ -38,7 +38,7 @@ fn an_error_is_shown_after_a_pause_in_typing_and_its_end_at_once() {
     for letter in ["p", "o", "i", "n"] {
         types(&mut hand, letter);
         hand.harness.run_steps(PAUSE / 2);
-        assert!(!hand.window().model().ok, "it has an error");
+        assert!(!hand.window().model().program.ok, "it has an error");
         assert!(!hand.window().model().is_stale(), "that is not shown");
         assert!(hand.shows("Status: no errors") && !hand.shows("out of date"));
     }

@@ -18,9 +18,9 @@ use crate::message::{
 impl Core {
     pub(super) fn scene_info(&mut self) -> SceneInfo {
         let mut info = SceneInfo {
-            version: self.model.version,
+            version: self.model.program.version,
             stale: self.model.is_stale(),
-            took: 1e3 * self.model.took.as_secs_f64(),
+            took: 1e3 * self.model.program.took.as_secs_f64(),
             views: self.view_infos(),
             cameras: self
                 .model
@@ -107,9 +107,12 @@ impl Core {
         let shows_curvature = scene.objects.iter().any(is_curved);
         let colours = render::style::colours(scene, Theme::Screen, shows_curvature);
         let source = self.editing.source();
-        let places = model.declared.iter().filter_map(|declared| {
+        let places = model.program.declared.iter().filter_map(|declared| {
             let name = declared.name_span;
-            let name = model.text.get(name.start as usize..name.end as usize)?;
+            let name = model
+                .program
+                .text
+                .get(name.start as usize..name.end as usize)?;
             Some((name, declared.name_span))
         });
         let places: BTreeMap<&str, Span> = places.collect();

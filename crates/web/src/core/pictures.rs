@@ -343,7 +343,7 @@ impl Core {
             width,
             height,
             exact: pane.request.as_ref().is_some_and(|it| !it.moving),
-            version: self.model.version,
+            version: self.model.program.version,
             samples: image.samples.map(|[done, _]| [done, wanted]),
             notes: image.remarks().map(str::to_owned).collect(),
             place: self.place(id),

@@ -49,7 +49,7 @@ impl Window {
 
     fn take_compiler_event(&mut self, event: CompilerEvent) {
         let version = match &event {
-            CompilerEvent::Compiled(text) => text.compiled.version,
+            CompilerEvent::Compiled(text) => text.compiled.program.version,
             CompilerEvent::Rerun { version, .. } => *version,
         };
         match event {
@@ -124,7 +124,7 @@ impl Window {
             .filter(|id| self.is_wanted(id))
             .cloned()
             .collect();
-        self.panes.follow(&offered, &wanted, self.model.ok);
+        self.panes.follow(&offered, &wanted, self.model.program.ok);
         if !self.model.is_unseen_in(self.views.first()) {
             self.panes.bring_back_first();
         } else if first {
@@ -234,7 +234,7 @@ impl Window {
                     }
                 }
             }
-            Command::Cursor { version, offset } if version == self.model.version => {
+            Command::Cursor { version, offset } if version == self.model.program.version => {
                 let name = self.model.declared_at(offset).map(str::to_owned);
                 self.model.highlight(name);
             }
@@ -281,7 +281,7 @@ impl Window {
 
     /// Opens the view of an object that was requested by name, once the text that may declare the object has been read.
     fn open_wanted(&mut self) {
-        let (read, version) = (self.model.read, self.model.version);
+        let (read, version) = (self.model.read, self.model.program.version);
         let is_read = |wanted: &mut (ViewId, Option<i32>)| {
             read && wanted.1.is_none_or(|wanted| wanted <= version)
         };
@@ -299,7 +299,11 @@ impl Window {
             0 => "the program has none".to_owned(),
             _ => format!("the program has {}", names.join(", ")),
         };
-        let errors = if self.model.ok { "" } else { ", and errors" };
+        let errors = if self.model.program.ok {
+            ""
+        } else {
+            ", and errors"
+        };
         let view = self.views.get(&wanted.kind);
         let kind = view.and_then(render::view::View::object_kind);
         let (kind, name) = (kind.unwrap_or("object"), wanted.object.unwrap_or_default());

@@ -132,7 +132,7 @@ impl Window {
             };
             let view = self.pictures.of_views.entry(pane.clone()).or_default();
             view.send(&picture);
-            let version = self.model.version;
+            let version = self.model.program.version;
             let request = VersionedRequest { picture, version };
             match view.waiting {
                 Waiting::Following => following.push((pane, request)),

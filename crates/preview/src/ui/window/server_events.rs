@@ -40,8 +40,8 @@ impl ServerReports {
     /// Notes a compiled text, which is reported when its pictures are on the screen.
     pub(super) fn note_compiled(&mut self, text: &CompiledText) {
         self.unshown = Some(ShownText {
-            version: text.compiled.version,
-            ok: text.compiled.ok,
+            version: text.compiled.program.version,
+            ok: text.compiled.program.ok,
             arrived: text.arrived,
         });
     }
@@ -88,7 +88,7 @@ impl Window {
             if values != self.text.reports.values {
                 self.text.reports.values.clone_from(&values);
                 self.text.send(Event::Values {
-                    version: self.model.version,
+                    version: self.model.program.version,
                     values,
                 });
             }
@@ -111,7 +111,7 @@ impl Window {
     pub(crate) fn write_numbers(&mut self, name: &str, value: Vec<f64>) {
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.send(Event::Write {
-                version: self.model.version,
+                version: self.model.program.version,
                 param: name.to_owned(),
                 value,
             }),
@@ -126,7 +126,7 @@ impl Window {
     pub(crate) fn write_colour(&mut self, object: &str, colour: [f64; 3]) {
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.send(Event::WriteColour {
-                version: self.model.version,
+                version: self.model.program.version,
                 object: object.to_owned(),
                 colour,
             }),
@@ -164,7 +164,7 @@ impl Window {
         let [direction, position] = [direction, camera.eye].map(stated);
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.send(Event::WriteCamera {
-                version: self.model.version,
+                version: self.model.program.version,
                 name,
                 direction,
                 position,
@@ -220,7 +220,7 @@ impl Window {
     fn open(&mut self, place: Span, takes_keys: bool) {
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.send(Event::Open {
-                version: self.model.version,
+                version: self.model.program.version,
                 range: [place.start, place.end],
             }),
             TextSource::File { editor, .. } => {

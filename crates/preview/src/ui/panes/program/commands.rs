@@ -146,7 +146,7 @@ impl Window {
             return;
         };
         // The ranges of a text that is being typed differ until it has been compiled.
-        if editor.text != *self.model.text {
+        if editor.text != *self.model.program.text {
             return;
         }
         let edit = Edit::replace(fix.span, fix.replacement.as_str());

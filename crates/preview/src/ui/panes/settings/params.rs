@@ -97,7 +97,7 @@ fn defines(window: &mut Window, ui: &mut Ui) {
     let Some(params) = window.model.param_values() else {
         return;
     };
-    let version = window.model.version;
+    let version = window.model.program.version;
     let known = window.panes.defines.take();
     let known = known.filter(|it| it.version == version && it.params == params);
     let known = known.unwrap_or_else(|| DefineValues {
