@@ -53,6 +53,17 @@ pub struct Break {
     pub is_pole: bool,
 }
 
+/// Where an instance is interrupted.
+#[derive(Clone, Debug, Default)]
+pub struct Interruptions {
+    /// The breaks between samples, in ascending order.
+    pub breaks: Vec<Break>,
+    /// The grid positions of the samples that are poles, in ascending order: the instance is unbounded near them, and
+    /// undefined at them. Where it has a value there only because the pole is between numbers of f64, as of tan t at the
+    /// number next to π/2, that is no place of it.
+    pub poles: Vec<[u32; 2]>,
+}
+
 /// Finds the breaks of an object.
 #[derive(Debug)]
 pub struct Breaks {
@@ -82,14 +93,14 @@ impl Breaks {
         })
     }
 
-    /// Returns the breaks of an instance, in ascending order; `None` if it changes too fast for its samples. `domain` is
-    /// that of the object, and `uniforms` are those of [`scene::ParamValues::instance`].
-    pub fn find(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Vec<Break>> {
+    /// Returns where an instance is interrupted; `None` if it changes too fast for its samples. `domain` is that of the
+    /// object, and `uniforms` are those of [`scene::ParamValues::instance`].
+    pub fn find(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Interruptions> {
         let cells = self
             .search(uniforms)
             .cells([domain.first(), domain.get(1)])?;
         let value = |at: [u32; 2]| [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(at[k])));
-        let of_cell = |[i, j]: [u32; 2]| {
+        let of_cell = |&[i, j]: &[u32; 2]| {
             let mut search = self.search(uniforms);
             let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
             let sides = if domain.len() == 1 { 1 } else { 4 };
@@ -105,16 +116,8 @@ impl Breaks {
                 is_pole: is_pole.or_else(|| has_pole().then_some(true))?,
             })
         };
-        let mut found: Vec<Break> = cells.into_par_iter().filter_map(of_cell).collect();
-        found.sort_unstable_by_key(|it| [it.first[1], it.first[0]]);
-        Some(found)
-    }
-
-    /// Returns the samples near which an instance is unbounded and at which it is undefined, as grid positions: breaks are
-    /// between samples, so [`Self::find`] finds no such pole. `None` if the instance changes too fast for its samples.
-    pub fn poles_at_samples(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Vec<[u32; 2]>> {
-        let mut search = self.search(uniforms);
-        let cells = search.cells([domain.first(), domain.get(1)])?;
+        let mut breaks: Vec<Break> = cells.par_iter().filter_map(of_cell).collect();
+        breaks.sort_unstable_by_key(|it| [it.first[1], it.first[0]]);
         let corners = cells.iter().flat_map(|&[i, j]| {
             let corners = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]];
             corners.into_iter().take(2 * domain.len())
@@ -122,8 +125,9 @@ impl Breaks {
         let mut samples: Vec<[u32; 2]> = corners.collect();
         samples.sort_unstable();
         samples.dedup();
-        samples.retain(|sample| search.is_pole_at(domain, *sample));
-        Some(samples)
+        let is_pole = |sample: &[u32; 2]| self.search(uniforms).is_pole_at(domain, *sample);
+        let poles = samples.into_par_iter().filter(is_pole).collect();
+        Some(Interruptions { breaks, poles })
     }
 
     /// Returns the limits of the undefined samples of an instance that have one, with their indices; the first parameter
@@ -194,7 +198,7 @@ impl Breaks {
                 .get(k)
                 .map_or([0.0; 2], |it| [it.range.min, it.range.max])
         });
-        !self.search(uniforms).is_continuous(ends)
+        !self.search(uniforms).is_continuous(widened(ends))
     }
 
     fn search<'a>(&'a self, uniforms: &'a [f64]) -> BreakSearch<'a> {
@@ -229,7 +233,7 @@ impl BreakSearch<'_> {
                 return None;
             }
             evaluations -= 1;
-            if self.is_continuous(ends) {
+            if self.is_continuous(widened(ends)) {
                 continue;
             }
             let sizes = cell.map(|[first, last]| last - first);
@@ -291,10 +295,10 @@ impl BreakSearch<'_> {
         out
     }
 
-    /// Returns whether the object is undefined at a sample and unbounded on a way to it.
+    /// Returns whether the object is undefined at a sample, or may be at a number next to it, and unbounded on a way to it.
     fn is_pole_at(&mut self, domain: &[Sampling], sample: [u32; 2]) -> bool {
         let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(sample[k])));
-        if self.place(at).is_some() {
+        if self.place(at).is_some() && self.is_continuous(widened(at.map(|x| [x; 2]))) {
             return false;
         }
         let neighbours = (0..domain.len()).flat_map(|axis| {
@@ -406,6 +410,12 @@ impl BreakSearch<'_> {
         distance(first[0], next[0]) > MOST_STEP * size
             && kind_of_break([first, next, last]) == Some(true)
     }
+}
+
+/// Returns a box of the parameters with the numbers of f64 next to it: a pole at a number that f64 cannot represent, such
+/// as π/2, may be on either side of the nearest one.
+fn widened(ends: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    ends.map(|[from, to]| [from.next_down(), to.next_up()])
 }
 
 /// The positions of an object on both sides of a parameter.

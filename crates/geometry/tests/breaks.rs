@@ -31,7 +31,8 @@ fn along(position: &str, domain: &str) -> (Vec<u32>, Sampling) {
     ));
     let (breaks, domain, uniforms) = breaks(&scene);
     let found = breaks.and_then(|breaks| breaks.find(&domain, &uniforms));
-    let found = found.into_iter().flatten().map(|it| it.first[0]);
+    let found = found.into_iter().flat_map(|found| found.breaks);
+    let found = found.map(|it| it.first[0]);
     (found.collect(), domain[0])
 }
 
@@ -121,6 +122,7 @@ fn cells(position: &str) -> (Vec<[u32; 2]>, Vec<Sampling>) {
     let found = breaks.and_then(|breaks| breaks.find(&domain, &uniforms));
     let mut found: Vec<[u32; 2]> = found
         .expect("a divisor")
+        .breaks
         .iter()
         .map(|it| it.first)
         .collect();
@@ -198,7 +200,8 @@ fn a_pole_is_known_from_a_jump_and_a_cusp_is_no_break() {
         let scene = scene(&format!("curve c(t) = (t, {position}, 0), t : [-3, 2.6];"));
         let (breaks, domain, uniforms) = breaks(&scene);
         let found = breaks.expect("a divisor").find(&domain, &uniforms);
-        found.expect("few").iter().map(|it| it.is_pole).collect()
+        let breaks = found.expect("few").breaks;
+        breaks.iter().map(|it| it.is_pole).collect()
     };
     for position in [
         "1/t",
@@ -228,10 +231,8 @@ fn a_pole_at_a_sample_is_known() {
     let poles = |object: &str| {
         let scene = scene(object);
         let (breaks, domain, uniforms) = breaks(&scene);
-        let found = breaks
-            .expect("a divisor")
-            .poles_at_samples(&domain, &uniforms);
-        found.expect("few")
+        let found = breaks.expect("a divisor").find(&domain, &uniforms);
+        found.expect("few").poles
     };
     let curve = |y: &str| poles(&format!("curve c(t) = (t, {y}, 0), t : [-1, 2, 31];"));
     for position in [
@@ -265,6 +266,36 @@ fn a_pole_at_a_sample_is_known() {
     assert_eq!(surface("1/(u^2 + v^2)"), [[2, 1]]);
     assert_eq!(surface("1/(u - v)"), [[0, 0], [2, 1], [4, 2]]);
     assert!(surface("u v/(u^2 + v^2)").is_empty());
+}
+
+#[test]
+fn a_pole_next_to_a_number_is_a_pole_at_it() {
+    let poles = |y: &str, t: &str| -> Vec<u32> {
+        let scene = scene(&format!("curve c(t) = (t, {y}, 0), t : {t};"));
+        let (breaks, domain, uniforms) = breaks(&scene);
+        let found = breaks.expect("a divisor").find(&domain, &uniforms);
+        let poles = found.expect("few").poles;
+        poles.iter().map(|[i, _]| *i).collect()
+    };
+    // At these ends f64 has a value, because no number is π or π/2.
+    assert_eq!(poles("tan t", "[-pi/2, pi/2, 40]"), [0, 39]);
+    assert_eq!(poles("tan t", "[0, pi, 101]"), [50]);
+    assert_eq!(poles("1/sin t", "[0.5, pi]"), [99]);
+    assert_eq!(poles("log(sin t)", "[pi/2, pi, 30]"), [29]);
+    assert_eq!(poles("1/(1 - t)", "[0, 0.9999999999999999, 11]"), [10]);
+    // Large values at ends that are farther from a pole are values.
+    for (position, range) in [
+        ("tan t", "[-1.5707, 1.5707]"),
+        ("tan t", "[0, 1.570796326794]"),
+        ("1/(1 - t)", "[0, 0.999999999999]"),
+        ("log(t + 0.00000000000000001)", "[0, 1]"),
+        ("1/(t^2 + 0.000000000000000000000000000001)", "[0, 1]"),
+        ("(sin t)/(pi - t)", "[0, pi]"),
+        ("(sin t)/abs(sin t)", "[1, pi]"),
+        ("(sin t)^0.3", "[1, pi]"),
+    ] {
+        assert!(poles(position, range).is_empty(), "{position} on {range}");
+    }
 }
 
 #[test]

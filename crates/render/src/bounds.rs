@@ -280,9 +280,9 @@ impl ObjectCloud {
             let middle = middle.filter(outliers::is_finite);
             (places, middle)
         };
-        let limits = outliers::limits(scene, params, object, sampler.axes(), &places);
-        let is_within = |p: &[f64; 3]| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]);
         let mut points = places;
+        let limits = outliers::limits(scene, params, object, sampler.axes(), &mut points);
+        let is_within = |p: &[f64; 3]| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]);
         points.retain(|place| outliers::is_finite(place) && is_within(place));
         Self {
             points,
@@ -324,7 +324,7 @@ fn is_interrupted(
     let breaks = Breaks::of(scene, params, object);
     let found =
         breaks.and_then(|breaks| breaks.find(&[between], &params.first_instance(scene, object)));
-    found.is_some_and(|found| !found.is_empty())
+    found.is_some_and(|found| !found.breaks.is_empty())
 }
 
 /// The box of a solid; none of an endless one, and of one that is known to be empty.

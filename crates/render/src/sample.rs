@@ -292,8 +292,12 @@ pub fn sample(
                     for (index, limit) in breaks.limits(&[*domain], &uniforms, is_undefined) {
                         samples[index] = placed(placement, &limit);
                     }
-                    for it in breaks.find(&[*domain], &uniforms).into_iter().flatten() {
+                    let found = breaks.find(&[*domain], &uniforms).unwrap_or_default();
+                    for it in found.breaks {
                         break_behind(&mut samples[it.first[0] as usize].defined);
+                    }
+                    for [i, _] in found.poles {
+                        samples[i as usize] = PositionSample::default();
                     }
                 });
             }
@@ -316,9 +320,13 @@ pub fn sample(
                     let is_undefined = |index: usize| samples[index].defined == 0.0;
                     let limits = breaks.limits(domain, &uniforms, is_undefined);
                     surface::fill_gaps(samples, *count, placement, &limits);
-                    for it in breaks.find(domain, &uniforms).into_iter().flatten() {
+                    let found = breaks.find(domain, &uniforms).unwrap_or_default();
+                    for it in found.breaks {
                         let [i, j] = it.first;
                         break_behind(&mut samples[(j * count[0] + i) as usize].defined);
+                    }
+                    for [i, j] in found.poles {
+                        samples[(j * count[0] + i) as usize] = SurfaceSample::default();
                     }
                 });
             }

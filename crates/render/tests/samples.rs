@@ -226,6 +226,45 @@ fn a_pole_ends_a_curve_and_opens_a_surface() {
 }
 
 #[test]
+fn a_curve_ends_before_a_pole_at_the_end_of_its_range() {
+    // f64 has a value at π/2: 1.6e16, and at π: log sin π = −36.7.
+    for (text, axis, undefined) in [
+        (
+            "curve c(t) = (t, tan t, 0), t : [-pi/2, pi/2, 20];",
+            1,
+            [0, 19],
+        ),
+        ("curve c(t) = (t, tan t, 0), t : [-pi/2, pi/2];", 1, [0, 99]),
+        (
+            "curve c(t) = (log(sin t), t, 0), t : [pi/2, pi];",
+            0,
+            [99, 99],
+        ),
+    ] {
+        let (bounds, found) = samples(text);
+        let reach = bounds.half.map(|half| half * bounds.placement.radius);
+        assert!(1.0 < reach[axis] && reach[axis] < 7.0, "{text}: {reach:?}");
+        let Samples::Curves { samples: curve, .. } = found else {
+            panic!("a curve")
+        };
+        for (index, sample) in curve.iter().enumerate() {
+            let is_pole = undefined.contains(&index);
+            assert_eq!(sample.defined == 0.0, is_pole, "{text}: {index}");
+        }
+    }
+    let (_, found) = samples(
+        "surface s(u, v) = (cos v/cos u, sin v/cos u, tan u), u : [-pi/2, pi/2, 10], v : [0, 2pi, 9];",
+    );
+    let Samples::Surfaces { samples, .. } = found else {
+        panic!("a surface")
+    };
+    for (index, sample) in samples.iter().enumerate() {
+        let is_pole = [0, 9].contains(&(index % 10));
+        assert_eq!(sample.defined == 0.0, is_pole, "{index}");
+    }
+}
+
+#[test]
 fn a_gap_in_a_formula_is_filled_with_its_limit() {
     let (bounds, found) = samples("curve c(t) = (t, sin t/t, 0), t : [-10, 10, 101];");
     let Samples::Curves { samples: curve, .. } = found else {

@@ -10,7 +10,7 @@ use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder, is_singular};
 
 use super::attributes::{AttributeSet, NumberAttribute, evaluated};
-use crate::breaks::Breaks;
+use crate::breaks::{Breaks, Interruptions};
 use crate::declared::follow_declared;
 
 /// The maximum number of balls, cylinders and cones of all points, arrows and curves of a scene; the rest is not drawn.
@@ -163,10 +163,10 @@ pub(super) fn parts(
             while let Some(k) = next(&mut instances, &body, room) {
                 let uniforms = params.instance(scene, object, k);
                 body.instance = k;
-                let breaks = finder
+                let found = finder
                     .as_ref()
                     .and_then(|it| it.find(&[*domain], &uniforms));
-                let breaks = breaks.unwrap_or_default();
+                let Interruptions { breaks, poles } = found.unwrap_or_default();
                 let places = (0..domain.count).flat_map(|i| {
                     let t = domain.value(i);
                     let variables = scene.curve_variables(&object.shape, &uniforms, t);
@@ -175,6 +175,7 @@ pub(super) fn parts(
                         let limit = finder.as_ref()?.limit(&[*domain], &uniforms, [t, 0.0]);
                         limit.map(DVec3::from_array)
                     });
+                    let at = at.filter(|_| poles.binary_search(&[i, 0]).is_err());
                     let is_last = breaks.binary_search_by_key(&i, |it| it.first[0]).is_ok();
                     std::iter::once((t, at)).chain(is_last.then_some((t, None)))
                 });

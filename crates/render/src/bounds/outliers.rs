@@ -35,14 +35,21 @@ const FEWEST: usize = 50;
 const EVERYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Returns the interval along each axis beyond which coarse places of an object are outliers. The places are those at the
-/// parameters `axes`, the first of which varies fastest, of one instance after the other.
+/// parameters `axes`, the first of which varies fastest, of one instance after the other; those at poles become undefined.
 pub(super) fn limits(
     scene: &Scene,
     params: &ParamValues,
     object: &Object,
     axes: &[Vec<f64>; 2],
-    places: &[[f64; 3]],
+    places: &mut [[f64; 3]],
 ) -> [[f64; 2]; 3] {
+    let outliers = Outliers::of(scene, params, object, axes);
+    let of_instance = axes[0].len() * axes[1].len();
+    if let Outliers::Poles(instances) = &outliers {
+        for (places, cells) in places.chunks_mut(of_instance).zip(instances) {
+            cells.poles.iter().for_each(|&k| places[k] = [f64::NAN; 3]);
+        }
+    }
     let finite = |places: &[[f64; 3]]| -> Vec<[f64; 3]> {
         places.iter().filter(|at| is_finite(at)).copied().collect()
     };
@@ -50,11 +57,11 @@ pub(super) fn limits(
     if all.len() < FEWEST {
         return [EVERYTHING; 3];
     }
-    let (measure, mut branches) = match Outliers::of(scene, params, object, axes) {
+    let (measure, mut branches) = match outliers {
         Outliers::None => return [EVERYTHING; 3],
         Outliers::Some => (USUAL, Vec::new()),
         Outliers::Poles(instances) => {
-            let parts = places.chunks(axes[0].len() * axes[1].len());
+            let parts = places.chunks(of_instance);
             let branches = parts.zip(&instances).flat_map(|(places, cells)| {
                 let least = LEAST_BRANCH * finite(places).len() as f64;
                 let branches = cells.branches(places).into_iter();
@@ -128,15 +135,12 @@ impl Outliers {
             let uniforms = params.instance(scene, object, instance);
             let mut cells = Cells::new(axes);
             let found = breaks.find(domain, &uniforms);
-            for it in found.iter().flatten() {
+            for it in found.iter().flat_map(|found| &found.breaks) {
                 cells.open(domain, axes, it.first);
                 has_poles |= it.is_pole;
             }
-            let at_samples = found
-                .is_some()
-                .then(|| breaks.poles_at_samples(domain, &uniforms));
-            for sample in at_samples.flatten().into_iter().flatten() {
-                cells.open(domain, axes, sample);
+            for sample in found.iter().flat_map(|found| &found.poles) {
+                cells.open_at_pole(domain, axes, *sample);
                 has_poles = true;
             }
             instances.push(cells);
@@ -159,6 +163,8 @@ struct Cells {
     counts: [usize; 2],
     /// For each cell, whether the object is interrupted in it.
     are_open: Vec<bool>,
+    /// The indices of the coarse samples that are poles.
+    poles: Vec<usize>,
 }
 
 impl Cells {
@@ -167,17 +173,36 @@ impl Cells {
         Self {
             counts,
             are_open: vec![false; counts[0] * counts[1]],
+            poles: Vec::new(),
         }
     }
 
     /// Opens the cell that contains a sample of the domain, or begins at it.
     fn open(&mut self, domain: &[Sampling], axes: &[Vec<f64>; 2], sample: [u32; 2]) {
+        let (index, _) = self.before(domain, axes, sample);
+        self.are_open[index] = true;
+    }
+
+    /// Opens the cell that begins at a pole, a sample of the domain, which is no place.
+    fn open_at_pole(&mut self, domain: &[Sampling], axes: &[Vec<f64>; 2], sample: [u32; 2]) {
+        let (index, is_coarse) = self.before(domain, axes, sample);
+        self.are_open[index] = true;
+        if is_coarse {
+            self.poles.push(index);
+        }
+    }
+
+    /// Returns the index of the last coarse sample before a sample of the domain, and whether it is that sample.
+    fn before(&self, domain: &[Sampling], axes: &[Vec<f64>; 2], sample: [u32; 2]) -> (usize, bool) {
+        let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(sample[k])));
         let [i, j] = [0, 1].map(|k| {
-            let at = domain.get(k).map_or(0.0, |it| it.value(sample[k]));
-            let until = axes[k].partition_point(|value| *value <= at);
+            let until = axes[k].partition_point(|value| *value <= at[k]);
             until.saturating_sub(1)
         });
-        self.are_open[j * self.counts[0] + i] = true;
+        (
+            j * self.counts[0] + i,
+            axes[0][i] == at[0] && axes[1][j] == at[1],
+        )
     }
 
     /// Returns the branches of the instance with these places: what is defined, and is joined by sides of cells that are not
