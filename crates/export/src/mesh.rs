@@ -34,6 +34,7 @@ use render::style;
 use render::texture::{SurfaceImage, Texture};
 use scene::{Object, ObjectId};
 use solid::Fineness;
+use weld::Coincidence;
 
 /// A shape is rounded roughly if rounding moves a place by more than this share of the shape's size.
 const ROUGH: f64 = 1e-3;
@@ -403,8 +404,6 @@ impl Mesh {
 impl Polylines {
     /// Adds a polyline. A missing point interrupts it; coinciding ends close it.
     fn add(&mut self, places: &[Option<[f64; 3]>]) {
-        let defined = places.iter().flatten();
-        let tolerance = weld::tolerance(defined.copied());
         let whole = places.iter().all(Option::is_some);
         let mut strip = Vec::new();
         for place in places {
@@ -416,10 +415,15 @@ impl Polylines {
                 None => self.keep(std::mem::take(&mut strip)),
             }
         }
-        if let (true, [first, _, .., last]) = (whole, &mut strip[..]) {
-            let ends = [*first, *last].map(|index| self.places[index as usize]);
-            if weld::distance(ends[0], ends[1]) <= tolerance {
-                *last = *first;
+        if whole && strip.len() > 2 {
+            let at = |k: usize| self.places[strip[k] as usize];
+            let end = strip.len() - 1;
+            // The line may begin or end slowly.
+            let steps = [[0, 1], [end - 1, end]].map(|[a, b]| weld::distance(at(a), at(b)));
+            let tolerance = weld::tolerance(at(0), steps[0].max(steps[1]));
+            let coincidence = Coincidence::of(places.iter().flatten().copied());
+            if coincidence.holds([at(0), at(end)], tolerance) {
+                strip[end] = strip[0];
                 self.places.pop();
             }
         }

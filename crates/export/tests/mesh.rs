@@ -225,6 +225,84 @@ fn a_mobius_band_has_one_border_and_a_klein_bottle_none() {
 }
 
 #[test]
+fn what_is_large_somewhere_is_joined_only_where_its_sides_meet() {
+    // The places that each has, and its Euler characteristic.
+    for (source, places, euler) in [
+        ("(u, v, exp(10u)), u : [0,3,31], v : [0,1,11];", 31 * 11, 1),
+        ("(u, v, exp(30u)), u : [0,1,31], v : [0,1,11];", 31 * 11, 1),
+        (
+            "(u, v, u^8 v^8), u : [-10,10,21], v : [-10,10,31];",
+            21 * 31,
+            1,
+        ),
+        // A catenoid is a ring, and its rims are 50 apart.
+        (
+            "(cosv coshu, sinv coshu, u), u : [-25,25,51], v : [0,2pi,21];",
+            51 * 20,
+            0,
+        ),
+        (
+            "(sinhu cosv, sinhu sinv, coshu), u : [0,23,24], v : [0,2pi,21];",
+            1 + 23 * 20,
+            1,
+        ),
+        // Its sides are near each other as seen from (1e8, 1e8, 1e8).
+        (
+            "(exp(10u), exp(10u) v, exp(10u)), u : [-2,2,41], v : [0,1,5];",
+            41 * 5,
+            1,
+        ),
+        // A strip that is narrow, but has an area.
+        ("(u, v, 0), u : [0,1e-10,5], v : [0,1,6];", 5 * 6, 1),
+        ("(u, v, 1e9 + v), u : [0,1e-10,5], v : [0,1,6];", 5 * 6, 1),
+    ] {
+        let model = exported(&format!("surface s(u,v) = {source}"));
+        let solid = Solid::of_obj(&model);
+        assert_eq!(solid.places.len(), places, "{source}");
+        assert_eq!(solid.euler(), euler, "{source}");
+        let edges = solid.edges();
+        assert!(
+            edges
+                .values()
+                .all(|[with, against]| *with <= 1 && *against <= 1),
+            "{source}"
+        );
+    }
+    for (source, closes) in [
+        ("(t, 1/(t^2 + 0.000001)^2, 0), t : [-1,1,101];", false),
+        (
+            "(1e9 cost, sint, (cost)^2 + (sint)^2), t : [0,2pi,41];",
+            true,
+        ),
+        ("(1e9 + cost, sint, t - t), t : [0,2pi,41];", true),
+        ("(cos(t^5), sin(t^5), 1), t : [0,(2pi)^0.2,41];", true),
+        ("(t, t^2, 0) max(0, 1 - t^2), t : [-1,1,3];", true),
+    ] {
+        let model = exported(&format!("curve c(t) = {source}"));
+        let Geometry::Lines(lines) = &model.parts[0].geometry else {
+            panic!("a curve")
+        };
+        let strip = &lines.strips[0];
+        assert_eq!(strip.first() == strip.last(), closes, "{source}");
+    }
+}
+
+#[test]
+fn what_has_no_area_is_left_out() {
+    for source in [
+        "(u + v, u + v, u + v)",
+        "((sinu)^2 + (cosu)^2, u, 3v - 3v)",
+        "((sinu)^2 + (cosu)^2, u v, u v 7)",
+    ] {
+        let model = exported(&format!(
+            "surface s(u,v) = {source}, u : [0,3,31], v : [0,1,11];"
+        ));
+        assert!(model.parts.is_empty(), "{source}");
+        assert_eq!(model.notes, ["`s` is left out: it has no area"], "{source}");
+    }
+}
+
+#[test]
 fn undefined_samples_leave_a_hole_and_no_number_that_is_none() {
     let model =
         exported("surface s(u,v) = (u, v, sqrt(1-u^2-v^2)), u : [-1.5,1.5,51], v : [-1.5,1.5,51];");
@@ -1034,7 +1112,7 @@ fn triangles_without_an_area_in_single_precision_are_reported() {
 #[test]
 fn what_is_left_out_of_a_mesh_is_reported() {
     let model = exported(
-        "surface s(u,v) = (1e39u, v, 0), u : [0, 1, 11], v : [0, 1, 3]; \
+        "surface s(u,v) = (1e39u, v, 0), u : [1, 2, 11], v : [0, 1, 3]; \
         curve c(t) = (t 1e39, 0, 0), t : [-1, 1, 11]; \
         vector big = (1e300, 0, 0) @ (0, 0, 0); point p = (1e39, 0, 0); surface line(u, v) = (u, u, u), \
         u : [0, 1, 3], v : [0, 1, 3]; point q = (0, 0, 0);",

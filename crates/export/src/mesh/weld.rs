@@ -4,16 +4,22 @@
 //! Vertices, which carry normals and texture coordinates, stay separate at such seams. A surface may intersect itself:
 //! only samples that are neighbours, or are on the border of the grid, can be joined.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::{DVec3, Vec3};
 
 use render::sample::SurfaceSample;
 
-/// The maximum distance at which two points coincide, as a fraction of the surface's extent.
+/// The maximum distance at which two points coincide along an axis, as a fraction of the object's extent along it.
 const COINCIDE: f64 = 1e-9;
-/// The maximum height of a triangle that is left out, as a fraction of its longest side.
+/// The maximum distance at which two points coincide, as a fraction of the distance to the samples next to them.
+const COINCIDE_LOCALLY: f64 = 1e-6;
+/// The rounding error of a coordinate, as a fraction of it.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// The maximum height of a triangle that is left out, as a fraction of its sides.
 const FLAT: f64 = 1e-12;
+/// The number of halvings between the sizes of the cells in which coinciding samples of a border are sought.
+const CELL_LEVEL: i32 = 10;
 
 /// Triangles, in the scene's units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -151,18 +157,45 @@ impl Mesh {
     }
 }
 
-/// Returns the maximum distance at which two of these points coincide.
-pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for place in places.map(DVec3::from) {
-        (low, high) = (low.min(place), high.max(place));
+/// The measure by which points of an instance coincide. Each axis has its own, because the points may be very far apart
+/// along one axis only.
+pub(super) struct Coincidence {
+    /// The maximum distance along each axis.
+    widths: DVec3,
+}
+
+impl Coincidence {
+    /// Returns the measure of an instance with these points.
+    pub(super) fn of(places: impl Iterator<Item = [f64; 3]>) -> Self {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for place in places.map(DVec3::from) {
+            (low, high) = (low.min(place), high.max(place));
+        }
+        let extent = (high - low).max(DVec3::ZERO);
+        Self {
+            widths: COINCIDE * extent + rounding(low.abs().max(high.abs())),
+        }
     }
-    let extent = (high - low).max_element().max(0.0);
-    let farthest = low.abs().max(high.abs()).max_element();
+
+    /// Returns whether two points are one, of which each has such a tolerance.
+    pub(super) fn holds(&self, [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
+        let apart = (DVec3::from(a) - DVec3::from(b)).abs();
+        apart.cmple(self.widths).all() && distance(a, b) <= tolerance
+    }
+}
+
+/// Returns the distance within which others coincide with a point whose neighbours are a `step` away.
+pub(super) fn tolerance(place: [f64; 3], step: f64) -> f64 {
     // Far from the origin, the rounding of the coordinates exceeds that fraction.
-    let rounding = 8.0 * f64::EPSILON * farthest;
-    let all = COINCIDE * extent + rounding;
-    if all.is_finite() { all } else { 0.0 }
+    COINCIDE_LOCALLY * step + ROUNDING * DVec3::from(place).abs().max_element()
+}
+
+/// Returns the rounding errors of coordinates of this magnitude. A coordinate may be nothing but rounding error, as on a
+/// plane that is computed: its error is that of another axis.
+fn rounding(farthest: DVec3) -> DVec3 {
+    let [x, y, z] = farthest.to_array();
+    let middle = x.min(y).max(x.max(y).min(z));
+    ROUNDING * farthest.max(DVec3::splat(middle))
 }
 
 /// Returns the distance of two points of any magnitude: the squares of tiny coordinates would be zero.
@@ -216,65 +249,90 @@ impl<'a> SampleGrid<'a> {
 
     /// Joins coinciding samples: neighbours in the grid, and samples of its border.
     fn weld(&mut self) {
-        let [columns, rows] = self.size;
         let defined = self.places.iter().zip(&self.defined);
-        let tolerance = tolerance(defined.filter(|(_, defined)| **defined).map(|(p, _)| *p));
-        for index in 0..self.places.len() {
-            let right = (index % columns + 1 < columns).then_some(index + 1);
-            let down = (index / columns + 1 < rows).then_some(index + columns);
-            for other in [right, down].into_iter().flatten() {
-                if self.defined[index]
-                    && self.defined[other]
-                    && distance(self.places[index], self.places[other]) <= tolerance
-                {
-                    self.join(index, other);
-                }
+        let defined = defined.filter(|(_, defined)| **defined);
+        let coincidence = Coincidence::of(defined.map(|(place, _)| *place));
+        let mut steps = vec![0.0_f64; self.places.len()];
+        let neighbours: Vec<[usize; 2]> = self.neighbours().collect();
+        for pair in &neighbours {
+            let [a, b] = pair.map(|index| self.places[index]);
+            let step = distance(a, b);
+            for &index in pair {
+                steps[index] = steps[index].max(step);
             }
         }
-        if tolerance > 0.0 {
-            self.weld_border(tolerance);
+        let both = self.places.iter().zip(&steps);
+        let tolerances: Vec<f64> = both.map(|(place, step)| tolerance(*place, *step)).collect();
+        for [a, b] in neighbours {
+            let places = [a, b].map(|index| self.places[index]);
+            if coincidence.holds(places, tolerances[a].min(tolerances[b])) {
+                self.join(a, b);
+            }
         }
+        self.weld_border(&coincidence, &tolerances);
         for index in 0..self.class.len() {
             self.class[index] = self.first_of(index) as u32;
         }
     }
 
-    /// Joins coinciding samples of the border, wherever they are on it. A hash grid with cells of twice the tolerance
-    /// holds the samples so far, so that each sample is compared only with those of 27 cells.
-    fn weld_border(&mut self, tolerance: f64) {
+    /// Returns the pairs of defined samples that are next to each other.
+    fn neighbours(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let [columns, rows] = self.size;
+        (0..self.places.len()).flat_map(move |index| {
+            let right = (index % columns + 1 < columns).then_some(index + 1);
+            let down = (index / columns + 1 < rows).then_some(index + columns);
+            let others = [right, down].into_iter().flatten();
+            let pairs = others.map(move |other| [index, other]);
+            pairs.filter(|pair| pair.iter().all(|&index| self.defined[index]))
+        })
+    }
+
+    /// Joins coinciding samples of the border, wherever they are on it. Hash grids hold the samples so far, so that each
+    /// sample is compared only with those of 27 cells of each grid. A grid holds samples of similar tolerance, and its cells
+    /// are at least twice as large as that, unless no two points coincide so far from each other along an axis.
+    fn weld_border(&mut self, coincidence: &Coincidence, tolerances: &[f64]) {
         let [columns, rows] = self.size;
         let edge = |index: usize| {
             let (i, j) = (index % columns, index / columns);
             i == 0 || j == 0 || i + 1 == columns || j + 1 == rows
         };
-        let cell = |place: [f64; 3], by: [i64; 3]| -> [i64; 3] {
-            std::array::from_fn(|k| (place[k] / (2.0 * tolerance)).floor() as i64 + by[k])
+        let widths = coincidence.widths.to_array();
+        let cell = |place: [f64; 3], level: i32, by: [i64; 3]| -> [i64; 3] {
+            let size = 2.0 * f64::powi(2.0, CELL_LEVEL * (level + 1));
+            std::array::from_fn(|k| {
+                let cell = (place[k] / size.min(2.0 * widths[k])).floor() as i64;
+                cell.saturating_add(by[k])
+            })
         };
-        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        let mut grids: BTreeMap<i32, HashMap<[i64; 3], Vec<u32>>> = BTreeMap::new();
         for index in (0..self.places.len()).filter(|&index| edge(index)) {
-            if !self.defined[index] {
+            if !self.defined[index] || tolerances[index] == 0.0 {
                 continue;
             }
             let place = self.places[index];
+            let own = (tolerances[index].log2() / f64::from(CELL_LEVEL)).floor() as i32;
             let mut joined = false;
-            for code in 0..27 {
-                let by = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
-                for &other in cells.get(&cell(place, by)).into_iter().flatten() {
-                    if distance(place, self.places[other as usize]) <= tolerance {
-                        joined |= by == [0; 3];
-                        let (a, b) = (index, other as usize);
-                        let (a, b) = (root(&mut self.class, a), root(&mut self.class, b));
-                        self.class[a.max(b)] = a.min(b) as u32;
+            for (&level, cells) in &grids {
+                for code in 0..27 {
+                    let by = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
+                    let others = cells.get(&cell(place, level, by));
+                    for &other in others.into_iter().flatten() {
+                        let other = other as usize;
+                        let tolerance = tolerances[index].min(tolerances[other]);
+                        if coincidence.holds([place, self.places[other]], tolerance) {
+                            joined |= level == own && by == [0; 3];
+                            let [a, b] = [index, other].map(|it| root(&mut self.class, it));
+                            self.class[a.max(b)] = a.min(b) as u32;
+                        }
                     }
                 }
             }
             // One sample represents all that coincide in a cell: otherwise the samples of a pole would be compared
             // pairwise.
             if !joined {
-                cells
-                    .entry(cell(place, [0; 3]))
-                    .or_default()
-                    .push(index as u32);
+                let cells = grids.entry(own).or_default();
+                let cell = cells.entry(cell(place, own, [0; 3]));
+                cell.or_default().push(index as u32);
             }
         }
     }
@@ -308,14 +366,21 @@ impl<'a> SampleGrid<'a> {
         a == b || b == c || c == a
     }
 
+    /// Returns whether a triangle has a height that is no rounding error of its corners. Its projections along the axes
+    /// are compared with their own errors: along one axis it may be very long.
     fn has_area(&self, triangle: [usize; 3]) -> bool {
         let [a, b, c] = triangle.map(|corner| self.place(corner));
         let (p, q, r) = (b - a, c - b, a - c);
-        let sides = [p, q, r].map(|side| side.abs().max_element());
-        let scale = sides.into_iter().fold(0.0, f64::max);
-        let (p, q, r) = (p / scale, q / scale, r / scale);
-        let longest = p.length().max(q.length()).max(r.length());
-        p.cross(q).length() > FLAT * longest * longest
+        let sides = p.abs().max(q.abs()).max(r.abs());
+        let scale = sides.max_element();
+        let farthest = a.abs().max(b.abs()).max(c.abs());
+        let (p, q, sides) = (p / scale, q / scale, sides / scale);
+        let error = FLAT * sides + rounding(farthest) / scale;
+        let areas = p.cross(q).abs();
+        (0..3).any(|axis| {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            areas[axis] > sides[i] * error[j] + sides[j] * error[i]
+        })
     }
 
     /// Returns the position of a sample after welding.
