@@ -75,6 +75,8 @@ pub struct Part {
     pub colour: [u8; 3],
     /// The colours of its points, sRGB; empty if all have the part's colour.
     pub colours: Vec<[u8; 3]>,
+    /// The specified colours of a surface's points, sRGB, which its image shows too; empty if they do not vary.
+    stated: Vec<[u8; 3]>,
     /// Its shape.
     pub geometry: Geometry,
 }
@@ -99,8 +101,15 @@ pub struct Polylines {
     pub strips: Vec<Vec<u32>>,
 }
 
-/// A shape with the colours of its points, sRGB; empty if they are all equal.
-type Coloured<T> = (T, Vec<[u8; 3]>);
+/// A mesh with the colours of its points, sRGB.
+type ColouredMesh = (Mesh, Vec<[u8; 3]>);
+
+/// A shape with its colours, as those of a [`Part`].
+struct ColouredShape {
+    geometry: Geometry,
+    colours: Vec<[u8; 3]>,
+    stated: Vec<[u8; 3]>,
+}
 
 /// The reason why a file could not be written.
 #[derive(Debug)]
@@ -175,14 +184,14 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
         let number = |id: &ObjectId| request.scene.number_in(&made.scene, *id);
         objects.iter().filter_map(number).collect()
     });
-    let curved = made.into_owned().with_curvatures();
-    let (whole, notes) = curved.with_stated_colours();
-    model_of(&whole, listed.as_deref(), notes)
+    model_of(&made.into_owned().with_curvatures(), listed.as_deref())
 }
 
-/// Builds the content of a file of a request that has all its images, and the scene of its params. `notes` are those about the
-/// images.
-fn model_of(request: &PictureRequest, objects: Option<&[ObjectId]>, notes: Vec<String>) -> Model {
+/// Builds the content of a file of a request that has all its images, but those of specified colours, and the scene of its
+/// params.
+fn model_of(unbaked: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
+    let (request, notes) = unbaked.with_stated_colours();
+    let request = &*request;
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
@@ -214,26 +223,28 @@ fn model_of(request: &PictureRequest, objects: Option<&[ObjectId]>, notes: Vec<S
                 let mesh = mesh.filter(|(mesh, _)| !mesh.triangles.is_empty());
                 let plain = |(mesh, colours)| {
                     let image = SurfaceImage::open(Texture::plain());
-                    (Geometry::Surface(mesh, image), colours)
+                    ColouredShape::new(Geometry::Surface(mesh, image), colours)
                 };
                 (mesh.map(plain).into_iter().collect(), notes)
             }
-            None => shapes(request, id, object, &placement, own),
+            None => {
+                let stated = |instance| unbaked.stated_colours_at_samples(id, instance);
+                shapes(request, id, object, &placement, own, stated)
+            }
         };
         model.notes.extend(notes);
-        model
-            .parts
-            .extend(shapes.into_iter().map(|(geometry, colours)| {
-                let mut part = Part {
-                    object: id,
-                    name: object.name.clone(),
-                    colour: own[0],
-                    colours,
-                    geometry,
-                };
-                part.join_colours();
-                part
-            }));
+        model.parts.extend(shapes.into_iter().map(|shape| {
+            let mut part = Part {
+                object: id,
+                name: object.name.clone(),
+                colour: own[0],
+                colours: shape.colours,
+                stated: shape.stated,
+                geometry: shape.geometry,
+            };
+            part.join_colours();
+            part
+        }));
     }
     model
 }
@@ -343,9 +354,15 @@ impl Part {
     }
 
     /// Returns the colours of the points, sRGB: their own; on a surface multiplied by the image at the first vertex of
-    /// a point, averaged over the distance to its neighbours.
+    /// a point, averaged over the distance to its neighbours. A specified colour is not averaged.
     fn colours_of_places(&self) -> Vec<[u8; 3]> {
         let own = |place: usize| self.colours.get(place).copied().unwrap_or(self.colour);
+        if !self.stated.is_empty() {
+            let stated = self.stated.iter().enumerate();
+            let tinted =
+                |(place, colour): (usize, &[u8; 3])| tinted(style::linear(*colour), own(place));
+            return stated.map(tinted).collect();
+        }
         let count = match &self.geometry {
             Geometry::Surface(mesh, image) => {
                 if self.colours.is_empty() || !Arc::ptr_eq(&image.texture, &Texture::plain()) {
@@ -389,9 +406,10 @@ impl Mesh {
         for vertex in &self.vertices {
             let place = vertex.place as usize;
             colours[place].get_or_insert_with(|| {
-                let tint = style::linear(own(place));
-                let light = sampler.colour(vertex.uv, [step, 0.0], [0.0, step]);
-                std::array::from_fn(|k| style::encode(light[k] * tint[k]))
+                tinted(
+                    sampler.colour(vertex.uv, [step, 0.0], [0.0, step]),
+                    own(place),
+                )
             });
         }
         let colours = colours.into_iter().enumerate();
@@ -399,6 +417,12 @@ impl Mesh {
             .map(|(place, colour)| colour.unwrap_or_else(|| own(place)))
             .collect()
     }
+}
+
+/// Returns a colour in linear light times one in sRGB, in sRGB.
+fn tinted(light: [f32; 3], tint: [u8; 3]) -> [u8; 3] {
+    let tint = style::linear(tint);
+    [0, 1, 2].map(|k| style::encode(light[k] * tint[k]))
 }
 
 impl Polylines {
@@ -473,16 +497,28 @@ impl PlaceCount {
     }
 }
 
+impl ColouredShape {
+    fn new(geometry: Geometry, colours: Vec<[u8; 3]>) -> Self {
+        Self {
+            geometry,
+            colours,
+            stated: Vec::new(),
+        }
+    }
+}
+
 /// Returns the shape of an object that is not a solid, if it is defined anywhere, with the colours of its points if its
 /// instances differ in colour, and sentences for the user; a surface whose instances differ in their images has several
-/// shapes. `own` are the colours of the instances.
+/// shapes. `own` are the colours of the instances, and `stated` gives the specified colours of the samples of an instance, if
+/// they vary.
 fn shapes(
     request: &PictureRequest,
     id: ObjectId,
     object: &Object,
     placement: &Placement,
     own: &[[u8; 3]],
-) -> (Vec<Coloured<Geometry>>, Vec<String>) {
+    stated: impl Fn(u64) -> Option<Vec<[u8; 3]>>,
+) -> (Vec<ColouredShape>, Vec<String>) {
     let (scene, params) = (&*request.scene, &*request.params);
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
     let mut counted = PlaceCount::default();
@@ -555,45 +591,54 @@ fn shapes(
         (Samples::Surfaces { count, samples }, Some(position)) => {
             let places = positions(scene, params, object, position);
             let images: Vec<SurfaceImage> = request.image_in_space(id).instances().collect();
-            let empty = |image| (Mesh::default(), image, Vec::new());
-            let mut parts: Vec<(Mesh, SurfaceImage, Vec<[u8; 3]>)> =
-                images.into_iter().map(empty).collect();
+            let empty = |(instance, image)| {
+                let shape =
+                    ColouredShape::new(Geometry::Surface(Mesh::default(), image), Vec::new());
+                (shape, stated(instance))
+            };
+            let mut parts: Vec<_> = (0..).zip(images).map(empty).collect();
             let last = parts.len() - 1;
             let size = count[0] as usize * count[1] as usize;
             let instances = places.chunks(size).zip(samples.chunks(size));
             for (instance, (places, samples)) in instances.enumerate() {
-                let (mesh, _, colours) = &mut parts[instance.min(last)];
+                let (shape, stated) = &mut parts[instance.min(last)];
                 for (place, sample) in places.iter().zip(samples) {
                     if sample.defined != 0.0 {
                         counted.is_held(place);
                     }
                 }
-                mesh.add(*count, places, samples);
-                colours.resize(mesh.places.len(), colour_of(instance));
+                let Geometry::Surface(mesh, _) = &mut shape.geometry else {
+                    continue;
+                };
+                let added = mesh.add(*count, places, samples);
+                shape.colours.resize(mesh.places.len(), colour_of(instance));
+                if let Some(stated) = stated {
+                    let of_sample = |sample: u32| stated[sample as usize];
+                    shape.stated.extend(added.into_iter().map(of_sample));
+                }
             }
-            let parts = parts.into_iter();
-            let shape = |(mesh, image, colours)| (Geometry::Surface(mesh, image), colours);
-            let shapes: Vec<_> = parts.map(shape).collect();
+            let shapes = parts.into_iter().map(|(shape, _)| shape).collect();
             return defined(shapes, &counted, &object.name, notes);
         }
         _ => return (Vec::new(), notes),
     };
-    defined(vec![(geometry, colours)], &counted, &object.name, notes)
+    let shape = ColouredShape::new(geometry, colours);
+    defined(vec![shape], &counted, &object.name, notes)
 }
 
 /// Returns those of an object's shapes, at least one, that have an extent, and sentences for the user.
 fn defined(
-    mut shapes: Vec<Coloured<Geometry>>,
+    mut shapes: Vec<ColouredShape>,
     counted: &PlaceCount,
     name: &str,
     mut notes: Vec<String>,
-) -> (Vec<Coloured<Geometry>>, Vec<String>) {
-    let lack = match &shapes[0].0 {
+) -> (Vec<ColouredShape>, Vec<String>) {
+    let lack = match &shapes[0].geometry {
         Geometry::Surface(..) => "it has no area",
         Geometry::Lines(_) => "it has no length",
         Geometry::Points(_) => "it has no place",
     };
-    shapes.retain(|(geometry, _)| match geometry {
+    shapes.retain(|shape| match &shape.geometry {
         Geometry::Surface(mesh, _) => !mesh.triangles.is_empty(),
         Geometry::Lines(lines) => !lines.strips.is_empty(),
         Geometry::Points(places) => !places.is_empty(),

@@ -1050,7 +1050,7 @@ fn a_colour_that_depends_on_the_place_is_that_of_the_vertices() {
         let red = 255.0 * 0.5 * (1.0 + cosine);
         let off = f64::from(found[0]) - red;
         assert!(
-            off.abs() < 6.0 && found[1..] == [0, 0],
+            off.abs() < 0.51 && found[1..] == [0, 0],
             "{found:?} at {place}"
         );
     }
@@ -1062,6 +1062,33 @@ fn a_colour_that_depends_on_the_place_is_that_of_the_vertices() {
             .texels
             .iter()
             .all(|texel| texel[1..3] == [0, 0])
+    );
+}
+
+#[test]
+fn colours_of_coarse_surfaces_are_those_of_their_samples() {
+    let reds = |surface: &str| -> Vec<u8> {
+        let model = exported(&format!("surface s(u,v) = {surface}"));
+        let colours = coloured_places(&model).into_iter();
+        colours.map(|(_, [red, ..])| red).collect()
+    };
+    let ramp = [0, 64, 128, 191, 255];
+    let flat = reds("(u, v, 0), u : [0,1,5], v : [0,1,5], color : (u, 0, 0);");
+    assert_eq!(flat, ramp.repeat(5));
+    // Where a surface meets itself, a point has the colour of the first sample.
+    let tube = reds("(cosu, sinu, v), u : [0,2pi,5], v : [0,1,3], color : (u/(2pi), 0, 0);");
+    assert_eq!(tube, ramp[..4].repeat(3));
+    let fine = reds("(u, v, 0), u : [0,1,11], v : [0,1,3], color : ((1 + cos(20pi u))/2, 0, 0);");
+    assert_eq!(fine, [255; 33]);
+    let two = exported(
+        "grid k : [1, 2, 2]; \
+        surface s(u,v) = (u, v, k), u : [0,1,3], v : [0,1,2], color : (u/k, 0, 0);",
+    );
+    let colours = coloured_places(&two).into_iter();
+    let reds: Vec<u8> = colours.map(|(_, [red, ..])| red).collect();
+    assert_eq!(
+        reds,
+        [[0, 128, 255].repeat(2), [0, 64, 128].repeat(2)].concat()
     );
 }
 

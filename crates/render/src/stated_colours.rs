@@ -36,6 +36,21 @@ impl PictureRequest {
         let notes = notes(&whole);
         (whole, notes)
     }
+
+    /// Returns the colours of the samples of a surface's instance, sRGB, u fastest, if the surface specifies a colour that
+    /// varies from point to point and no image. Undefined ones are white.
+    pub fn stated_colours_at_samples(&self, id: ObjectId, instance: u64) -> Option<Vec<[u8; 3]>> {
+        let (_, object, nodes) = varying(self).find(|(other, ..)| *other == id)?;
+        let parameters = [0, 1].map(|k| -> Vec<f64> {
+            let sampling = &object.shape.domain()[k];
+            (0..sampling.count)
+                .map(|index| sampling.value(index))
+                .collect()
+        });
+        let uniforms = self.params.instance(&self.scene, object, instance);
+        let texels = colours(&self.scene, nodes, &parameters, &uniforms);
+        Some(texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
+    }
 }
 
 impl StatedColours {
@@ -125,7 +140,7 @@ pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
     many.map(|(_, object)| sentence(object)).collect()
 }
 
-/// Returns the colours at the centres of the texels. Undefined ones are white, like a surface without a colour.
+/// Returns the colours at the centres of the texels.
 fn baked(
     scene: &Scene,
     nodes: &[NodeId],
@@ -133,18 +148,28 @@ fn baked(
     uniforms: &[f64],
     side: u32,
 ) -> Texture {
-    let tape = Tape::new(&scene.graph, nodes);
-    let at = |k: usize, texel: u32| {
+    let centres = [0, 1].map(|k| -> Vec<f64> {
         let Range { min, max } = domain[k].range;
-        min + (max - min) * (f64::from(texel) + 0.5) / f64::from(side)
-    };
-    let mut texels = vec![[255; 4]; (side * side) as usize];
-    let rows = texels.par_chunks_mut(side as usize).zip(0..side);
-    rows.for_each_init(Registers::default, |registers, (texels, row)| {
-        let v = at(1, row);
+        let at = |texel| min + (max - min) * (f64::from(texel) + 0.5) / f64::from(side);
+        (0..side).map(at).collect()
+    });
+    Texture::of_texels([side; 2], colours(scene, nodes, &centres, uniforms))
+}
+
+/// Returns the opaque colours at all pairs of parameters u and v, u fastest. Undefined ones are white, like a surface without
+/// a colour.
+fn colours(
+    scene: &Scene,
+    nodes: &[NodeId],
+    [us, vs]: &[Vec<f64>; 2],
+    uniforms: &[f64],
+) -> Vec<[u8; 4]> {
+    let tape = Tape::new(&scene.graph, nodes);
+    let mut texels = vec![[255; 4]; us.len() * vs.len()];
+    let rows = texels.par_chunks_mut(us.len()).zip(vs);
+    rows.for_each_init(Registers::default, |registers, (texels, &v)| {
         let mut values = vec![f64::NAN; tape.root_count()];
-        for (texel, column) in texels.iter_mut().zip(0..side) {
-            let u = at(0, column);
+        for (texel, &u) in texels.iter_mut().zip(us) {
             let number = |input: &Input| match *input {
                 Input::Variable(0) => u,
                 Input::Variable(1) => v,
@@ -159,5 +184,5 @@ fn baked(
             }
         }
     });
-    Texture::of_texels([side; 2], texels)
+    texels
 }

@@ -7,7 +7,7 @@ use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
 use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, srgb};
 
-use super::Coloured;
+use super::ColouredMesh;
 use super::weld::{Mesh, Vertex, is_held};
 
 /// The maximum number of cells along the longest side of the box of a solid whose intervals specify no counts.
@@ -60,7 +60,7 @@ pub(super) fn meshed(
     object: &Object,
     colour: [u8; 3],
     fineness: &mut Fineness,
-) -> (Option<Coloured<Mesh>>, Vec<String>) {
+) -> (Option<ColouredMesh>, Vec<String>) {
     let unstated = DVec3::from_array(colour.map(f64::from)) / 255.0;
     let options = RaySceneOptions {
         shown: &|_| true,

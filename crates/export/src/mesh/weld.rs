@@ -47,8 +47,14 @@ pub struct Vertex {
 }
 
 impl Mesh {
-    /// Adds an instance: the grid's `places`, u fastest, with the normals and definedness of its `samples`.
-    pub(super) fn add(&mut self, count: [u32; 2], places: &[[f64; 3]], samples: &[SurfaceSample]) {
+    /// Adds an instance: the grid's `places`, u fastest, with the normals and definedness of its `samples`. Returns the
+    /// sample of each point that is added, the first of those that coincide.
+    pub(super) fn add(
+        &mut self,
+        count: [u32; 2],
+        places: &[[f64; 3]],
+        samples: &[SurfaceSample],
+    ) -> Vec<u32> {
         self.instances += 1;
         let grid = SampleGrid::new(count, places, samples);
         let triangles: Vec<[usize; 3]> = grid.triangles().collect();
@@ -58,6 +64,7 @@ impl Mesh {
             vertex_of[corner] = Some(0);
         }
         let mut place_of: HashMap<u32, u32> = HashMap::new();
+        let mut added = Vec::new();
         let first = self.vertices.len();
         let [columns, rows] = grid.size;
         for (index, vertex) in vertex_of.iter_mut().enumerate() {
@@ -68,6 +75,7 @@ impl Mesh {
             let class = grid.class[index];
             let place = *place_of.entry(class).or_insert_with(|| {
                 self.places.push(places[class as usize]);
+                added.push(class);
                 self.places.len() as u32 - 1
             });
             let share = |at: usize, of: usize| at as f32 / (of - 1) as f32;
@@ -92,6 +100,7 @@ impl Mesh {
             }
         }
         self.complete_normals(first, start);
+        added
     }
 
     /// Returns the corners of a triangle in space.
