@@ -28,7 +28,7 @@ const NEAREST_TARGET: f64 = 0.1;
 
 /// The bounds that pictures are drawn in, and the coarse points that they come from.
 #[derive(Debug, Default)]
-pub(crate) struct Framing {
+pub(crate) struct KeptBounds {
     kept: Option<Arc<Bounds>>,
     clouds: HashMap<Content, Arc<ObjectCloud>>,
     /// The scene that was placed last.
@@ -51,7 +51,7 @@ pub(crate) struct Framed {
     cloud: Arc<Vec<[f64; 3]>>,
 }
 
-impl Framing {
+impl KeptBounds {
     /// Places a scene with the contents of its objects.
     pub(crate) fn frame(
         &mut self,
@@ -129,13 +129,13 @@ impl Framing {
         placed
     }
 
-    /// The bounds that are kept.
-    pub(crate) fn kept(&self) -> Option<&Arc<Bounds>> {
+    /// Returns the bounds that are kept.
+    pub(crate) fn get(&self) -> Option<&Arc<Bounds>> {
         self.kept.as_ref()
     }
 
     /// Keeps other bounds from now on; none: those of the next scene.
-    pub(crate) fn keep(&mut self, bounds: Option<Arc<Bounds>>) {
+    pub(crate) fn set(&mut self, bounds: Option<Arc<Bounds>>) {
         self.kept = bounds;
         self.last = None;
     }

@@ -410,7 +410,7 @@ impl Renderer {
     /// Sets other bounds for the next pictures; with `None`, those of the next scene are used, for example to show all of
     /// it.
     pub fn set_bounds(&mut self, bounds: Option<Arc<Bounds>>) {
-        self.shared.framing.keep(bounds);
+        self.shared.kept_bounds.set(bounds);
     }
 
     /// Returns the counters of the work so far.

@@ -8,7 +8,7 @@ use crate::bounds::Bounds;
 use crate::content::Structures;
 use crate::counters::{PixelCounters, WorkCounters};
 use crate::error::RenderError;
-use crate::framing::Framing;
+use crate::framing::KeptBounds;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
@@ -46,7 +46,7 @@ pub struct SharedState {
     pub(crate) solids: SolidStore,
     pub(crate) interrupt: Interrupt,
     pub(crate) structures: Structures,
-    pub(crate) framing: Framing,
+    pub(crate) kept_bounds: KeptBounds,
     pub(crate) samples: SampleStore,
     pub(crate) stated_colours: StatedColours,
     /// The number of geodesic views whose geodesics were followed.
@@ -90,7 +90,7 @@ impl SharedState {
     /// Returns the bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
     /// camera without a given position frames them.
     pub fn bounds(&self) -> Option<Arc<Bounds>> {
-        self.framing.kept().cloned()
+        self.kept_bounds.get().cloned()
     }
 
     /// Writes the counts of the work so far to counters.

@@ -516,7 +516,7 @@ fn frame(
     structures: &[Structure],
 ) -> Framed {
     let leaves_room = |id| options.leaves_room(request, id);
-    shared.framing.frame(request, structures, leaves_room)
+    shared.kept_bounds.frame(request, structures, leaves_room)
 }
 
 /// Returns the scene's objects with their samples, and notes for the reader of the picture. During motion, `moving` is the
