@@ -203,6 +203,37 @@ fn a_figure_is_whole_as_pdf_and_names_are_text_in_svg() {
 }
 
 #[test]
+fn names_of_hidden_objects_are_as_translucent_as_in_a_picture() {
+    let folder = TempDir::new().expect("a temporary directory");
+    let program = "surface s(u, v) = (cosu cosv, sinu cosv, sinv), u : [0, 2pi], v : [-pi/2, pi/2]; \
+        point back = (0, 1.2, 0); point front = (0, -1.2, 0);";
+    std::fs::write(folder.path().join("a & b.gtr"), program).expect("writing");
+    for file in ["out.svg", "out.pdf"] {
+        let options = format!("-o {file} --eye 0,-5,0 --target 0,0,0 --labels --backend software");
+        let output = geotrace(folder.path(), &options, None);
+        assert!(output.status.success(), "{}", printed(&output));
+    }
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
+    let paints = |name: &str| -> Vec<String> {
+        let lines = svg
+            .lines()
+            .filter(|line| line.contains(&format!(">{name}<")));
+        let paint = |line: &str| line[line.find("fill=").expect("a paint")..].to_owned();
+        lines.map(paint).collect()
+    };
+    let (back, front) = (paints("back"), paints("front"));
+    assert_eq!([back.len(), front.len()], [2, 2]);
+    for (back, front) in back.iter().zip(front) {
+        // The same colours, but thinner.
+        let front = front.replace(">front<", " opacity=\"0.45\">back<");
+        assert_eq!(*back, front);
+    }
+    let pdf = std::fs::read(folder.path().join("out.pdf")).expect("a file");
+    let pdf = String::from_utf8_lossy(&pdf);
+    assert!(pdf.contains("/CA 0.45") && pdf.contains("/ca 0.45") && pdf.contains("/Opacity45"));
+}
+
+#[test]
 fn a_figure_is_one_picture_and_has_its_own_backend() {
     let folder = folder();
     let refused = |options: &str, wanted: &str| {

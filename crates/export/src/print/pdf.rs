@@ -23,8 +23,21 @@ pub(super) fn bytes(layers: &Layers, title: &str) -> Vec<u8> {
     let mut only = pdf.page(page);
     only.media_box(Rect::new(0.0, 0.0, width, height));
     only.parent(pages).contents(content);
-    only.resources().x_objects().pair(IMAGE, image);
+    let opacities = opacities(layers);
+    let states = || (info.get() + 1..).map(Ref::new).zip(&opacities);
+    let mut resources = only.resources();
+    resources.x_objects().pair(IMAGE, image);
+    let mut named = resources.ext_g_states();
+    for (state, opacity) in states() {
+        named.pair(Name(state_name(*opacity).as_bytes()), state);
+    }
+    named.finish();
+    resources.finish();
     only.finish();
+    for (state, opacity) in states() {
+        let mut state = pdf.ext_graphics(state);
+        state.stroking_alpha(*opacity).non_stroking_alpha(*opacity);
+    }
     let mut about = pdf.document_info(info);
     about.title(TextStr(title)).creator(TextStr("Geotrace"));
     about.finish();
@@ -33,6 +46,20 @@ pub(super) fn bytes(layers: &Layers, title: &str) -> Vec<u8> {
     let packed = compress_to_vec_zlib(&drawn, LEVEL);
     pdf.stream(content, &packed).filter(Filter::FlateDecode);
     pdf.finish()
+}
+
+/// Returns the opacities of words that are translucent, each once.
+fn opacities(layers: &Layers) -> Vec<f32> {
+    let all = layers.words.iter().map(|words| words.opacity);
+    let mut all: Vec<f32> = all.filter(|opacity| *opacity < 1.0).collect();
+    all.sort_unstable_by(f32::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Returns the name of the graphics state with an opacity.
+fn state_name(opacity: f32) -> String {
+    format!("Opacity{}", (100.0 * opacity).round())
 }
 
 /// Adds the pixels, and a mask if they are partly transparent.
@@ -115,6 +142,10 @@ fn letters(content: &mut Content, words: &PlacedWords) {
             content.close_path();
         }
     };
+    if words.opacity < 1.0 {
+        content.save_state();
+        content.set_parameters(Name(state_name(words.opacity).as_bytes()));
+    }
     let [r, g, b] = shares(words.rim);
     content
         .set_stroke_rgb(r, g, b)
@@ -125,6 +156,9 @@ fn letters(content: &mut Content, words: &PlacedWords) {
     content.set_fill_rgb(r, g, b);
     trace(content);
     content.fill_nonzero();
+    if words.opacity < 1.0 {
+        content.restore_state();
+    }
 }
 
 fn shares(colour: [u8; 3]) -> [f32; 3] {

@@ -57,9 +57,14 @@ fn path(stroke: &Stroke) -> String {
 /// and each outline would cover the previous letter.
 fn label(words: &PlacedWords) -> String {
     let [x, y] = words.baseline;
+    let opacity = if words.opacity < 1.0 {
+        format!(" opacity=\"{}\"", number(words.opacity))
+    } else {
+        String::new()
+    };
     let text = |paint: &str| {
         format!(
-            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\" {paint}>{}</text>\n",
+            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\" {paint}{opacity}>{}</text>\n",
             number(x),
             number(y),
             number(words.size),

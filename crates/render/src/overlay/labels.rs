@@ -162,14 +162,14 @@ pub struct PlacedWords {
     pub width: f32,
     /// The size of their font: of its em square.
     pub size: f32,
-    /// The colour of the words, sRGB; that of what is hidden is nearer to their rim.
+    /// The colour of the words, sRGB.
     pub colour: [u8; 3],
     /// The colour of the rim around the words, sRGB.
     pub rim: [u8; 3],
     /// The width of the rim.
     pub rim_width: f32,
-    /// The share of their ink that they have, from 0 to 1.
-    pub(super) share: f32,
+    /// The opacity of the words and of their rim, from 0 to 1: the words of what is hidden are translucent.
+    pub opacity: f32,
     /// The upper left corner.
     pub(super) corner: [f32; 2],
     /// The height of a line.
@@ -193,7 +193,7 @@ pub(crate) fn write(
 ) {
     let ink = Ink::over(request.backdrop());
     for placed in placed(labels, request, key) {
-        let ink = ink.thinned(placed.share);
+        let ink = ink.thinned(placed.opacity);
         text::write_outlined(image, &placed.words, placed.corner, placed.height, ink);
     }
 }
@@ -260,27 +260,20 @@ pub(crate) fn placed(
             false => place,
         });
         let corner = [place[0], place[1]];
-        let share = if label.is_hidden { HIDDEN } else { 1.0 };
         all.push(PlacedWords {
             words: label.words.clone(),
             baseline: text::baseline(&label.words, corner, height),
             width,
             size: text::em(height),
-            colour: mixed(ink.rim_colour(), ink.words_colour(), share),
+            colour: ink.words_colour(),
             rim: ink.rim_colour(),
             rim_width: text::rim(height),
-            share,
+            opacity: if label.is_hidden { HIDDEN } else { 1.0 },
             corner,
             height,
         });
     }
     all
-}
-
-/// Returns the colour at a share of the way from one to another.
-fn mixed(from: [u8; 3], to: [u8; 3], share: f32) -> [u8; 3] {
-    let part = |k: usize| f32::from(from[k]) + share * (f32::from(to[k]) - f32::from(from[k]));
-    [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
 /// Returns the part of the picture that the words of an axis take, with the gap beside them; `height` is theirs.
