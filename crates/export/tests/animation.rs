@@ -119,6 +119,48 @@ fn a_gif_of_few_colours_has_them_exactly() {
     assert_eq!(decoded, picture);
 }
 
+/// The pixels of the first picture of a GIF.
+fn first_of_gif(picture: &RgbaImage) -> RgbaImage {
+    let bytes = recorded(AnimationFormat::Gif, std::slice::from_ref(picture), 10.0);
+    image::load_from_memory(&bytes).expect("a GIF").into_rgba8()
+}
+
+#[test]
+fn small_parts_of_a_gif_keep_their_colours() {
+    // A gradient with ten thousand colours, and a few pixels of others.
+    let picture = RgbaImage::from_fn(100, 100, |x, y| match (x, y) {
+        (50..53, 50..53) => Rgba([255; 4]),
+        (20..22, 70..72) => Rgba([0, 0, 255, 255]),
+        _ => Rgba([(x * 255 / 99) as u8, (y * 255 / 99) as u8, 60, 255]),
+    });
+    let found = first_of_gif(&picture);
+    for (place, pixel) in [
+        ([51, 51], [255; 3]),
+        ([52, 50], [255; 3]),
+        ([21, 71], [0, 0, 255]),
+    ] {
+        assert_eq!(
+            found.get_pixel(place[0], place[1]).0[..3],
+            pixel,
+            "{place:?}"
+        );
+    }
+    for (x, y, pixel) in found.enumerate_pixels() {
+        let original = picture.get_pixel(x, y);
+        let off = (0..3).map(|k| pixel.0[k].abs_diff(original.0[k])).max();
+        assert!(off < Some(40), "({x}, {y}): {pixel:?} for {original:?}");
+    }
+
+    // One more colour than the palette has.
+    let picture = RgbaImage::from_fn(16, 16, |x, y| {
+        Rgba([17 * x as u8, 17 * y as u8, (x * y) as u8, 255])
+    });
+    let found = first_of_gif(&picture);
+    let pairs = found.pixels().zip(picture.pixels());
+    let wrong = pairs.filter(|(found, original)| found != original);
+    assert!(wrong.count() <= 2);
+}
+
 #[test]
 fn too_few_or_other_pictures_are_no_animation() {
     let clip = Clip {
