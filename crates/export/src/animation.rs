@@ -55,11 +55,12 @@ impl AnimationFormat {
         }
     }
 
-    /// Returns the number of units per second in which a file counts durations.
-    fn parts(self) -> u32 {
+    /// Returns the number of units per second in which a file counts the durations of this many pictures per second: the
+    /// duration of a picture is a number of 16 bits.
+    fn parts(self, rate: f64) -> u32 {
         match self {
-            Self::Gif => 100,
-            Self::Apng => 1000,
+            Self::Apng if 1000.0 / rate < f64::from(u16::MAX) => 1000,
+            Self::Apng | Self::Gif => 100,
         }
     }
 }
@@ -147,11 +148,13 @@ impl<W: Write> Recorder<W> {
         }
         match &mut self.encoder {
             Encoder::Gif(encoder) => {
-                let delay = self.clip.ticks(self.added, AnimationFormat::Gif.parts());
+                let delay = self
+                    .clip
+                    .ticks(self.added, AnimationFormat::Gif.parts(self.clip.rate));
                 encoder.write_frame(&palette::frame(image, delay))?;
             }
             Encoder::Apng(encoder) => {
-                let parts = AnimationFormat::Apng.parts();
+                let parts = AnimationFormat::Apng.parts(self.clip.rate);
                 encoder.set_frame_delay(self.clip.ticks(self.added, parts), parts as u16)?;
                 encoder.write_image_data(image.as_raw())?;
             }
@@ -199,7 +202,7 @@ impl<W: Write> Recorder<W> {
 impl Clip {
     /// Returns the duration of an animation in seconds, as its file states it.
     pub fn seconds(&self, format: AnimationFormat) -> f64 {
-        let parts = format.parts();
+        let parts = format.parts(self.rate);
         let ticks = (0..self.frames).map(|frame| u64::from(self.ticks(frame, parts)));
         ticks.sum::<u64>() as f64 / f64::from(parts)
     }

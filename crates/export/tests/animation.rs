@@ -162,6 +162,29 @@ fn small_parts_of_a_gif_keep_their_colours() {
 }
 
 #[test]
+fn slow_animations_keep_their_time() {
+    for rate in [0.01, 0.0152, 0.0153, 0.1] {
+        let pictures = pictures(3);
+        let bytes = recorded(AnimationFormat::Apng, &pictures, rate);
+        let decoder = image::codecs::png::PngDecoder::new(Cursor::new(&bytes)).expect("a PNG");
+        let frames = decoder.apng().expect("animated").into_frames();
+        let seconds = frames.map(|frame| {
+            let (numerator, denominator) = frame.expect("a frame").delay().numer_denom_ms();
+            f64::from(numerator) / f64::from(denominator) / 1000.0
+        });
+        let seconds: f64 = seconds.sum();
+        assert!((seconds - 3.0 / rate).abs() < 0.02, "{rate}: {seconds}");
+        let clip = Clip {
+            frames: 3,
+            size: [1; 2],
+            rate,
+        };
+        let stated = clip.seconds(AnimationFormat::Apng);
+        assert!((stated - seconds).abs() < 0.02, "{rate}: {stated}");
+    }
+}
+
+#[test]
 fn too_few_or_other_pictures_are_no_animation() {
     let clip = Clip {
         frames: 2,
