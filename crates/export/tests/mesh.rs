@@ -632,6 +632,21 @@ fn vertices_of_solids_have_the_colours_of_their_faces() {
     }
     assert!(counts.iter().all(|count| *count > 5000), "{counts:?}");
     assert_eq!(set.parts[1].colour, [51, 102, 153]);
+
+    // Near an edge, a cell crosses both leaves, and its vertex may lie on one of them alone.
+    let holed = exported(
+        "solid ball(x,y,z) = x^2+y^2+z^2-1, color : (1,0,0); \
+        solid cube(x,y,z) = max(abs x, abs y, abs z) - 0.7, color : (0,0,1); \
+        solid s = cube \\ ball, x : [-1, 1, 128];",
+    );
+    for (place, colour) in coloured_places(&holed) {
+        let off_ball = (place.length() - 1.0).abs();
+        let off_cube = (place.abs().max_element() - 0.7).abs();
+        match colour {
+            [255, 0, 0] => assert!(off_ball < 1e-3 || off_ball < off_cube, "{place}"),
+            _ => assert!(off_cube < 1e-3 || off_cube < off_ball, "{place}"),
+        }
+    }
 }
 
 #[test]

@@ -460,8 +460,11 @@ impl Contour<'_> {
         let normal: DVec3 = planes.iter().map(|plane| plane.normal).sum();
         self.mesh.positions.push(position);
         self.mesh.normals.push(normal.normalize_or(DVec3::Z));
-        let leaf = planes.iter().find_map(|plane| plane.leaf);
-        self.mesh.leaves.push(leaf);
+        // A vertex may lie on one leaf alone, away from the others that its cell crosses.
+        let apart = |plane: &EdgeCrossing| plane.normal.dot(position - plane.position).abs();
+        let known = planes.iter().filter(|plane| plane.leaf.is_some());
+        let nearest = known.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        self.mesh.leaves.push(nearest.and_then(|plane| plane.leaf));
         self.mesh.positions.len() as u32 - 1
     }
 
