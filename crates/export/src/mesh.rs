@@ -233,6 +233,15 @@ fn model_of(unbaked: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
             }
         };
         model.notes.extend(notes);
+        let has_lost_image = object.shape.solid().is_some() && request.own_texture(id).is_some();
+        let name = &object.name;
+        let note = format!(
+            "the image of `{name}` is left out: in a file of meshes only surfaces have images"
+        );
+        // Objects of a script may share a name.
+        if has_lost_image && !model.notes.contains(&note) {
+            model.notes.push(note);
+        }
         model.parts.extend(shapes.into_iter().map(|shape| {
             let mut part = Part {
                 object: id,

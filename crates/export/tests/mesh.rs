@@ -650,6 +650,21 @@ fn vertices_of_solids_have_the_colours_of_their_faces() {
 }
 
 #[test]
+fn an_image_of_a_solid_is_reported() {
+    let scene = scene(
+        "solid b(x,y,z) = x^2+y^2+z^2-1, uv : (x, y), image : im; \
+        solid c(x,y,z) = x^2+y^2+z^2-1; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1], image : im;",
+    );
+    let params = ParamValues::initial(&scene);
+    let image = RgbaImage::from_pixel(4, 4, Rgba([9, 99, 199, 255]));
+    let mut request = Wanted::space([1, 1]).of(&scene, &params);
+    request.images = vec![("im".to_owned(), Texture::from_image(image).into())];
+    let note = "the image of `b` is left out: in a file of meshes only surfaces have images";
+    assert_eq!(model(&request, None).notes, [note]);
+    assert_eq!(model(&request, Some(&[ObjectId::new(1)])).notes, [""; 0]);
+}
+
+#[test]
 fn vertices_of_obj_have_the_colours_of_ply() {
     let model = exported(&format!(
         "{TWO_BALLS} surface s(u,v) = (u,v,-2), u : [0,1,9], v : [0,1,9]; \

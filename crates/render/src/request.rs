@@ -185,7 +185,7 @@ impl PictureRequest {
     }
 
     /// Returns the image that was chosen for an object, otherwise the one that it specifies.
-    pub(crate) fn own_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
+    pub fn own_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
         self.chosen_texture(object).or_else(|| {
             let attributes = &self.scene.get(object)?.attributes;
             self.image(stated_word(attributes, "image")?)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use export::mesh::{self, ExportError, MeshFormat};
 use render::PictureRequest;
-use scene::{Object, ObjectId};
+use scene::ObjectId;
 
 use super::render::textures;
 use crate::argument::{self, Assignment, Choice, Format, TextureFile};
@@ -93,19 +93,13 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let target = OutputTarget::apart_from(&arguments.output, &inputs)?;
     let model = mesh::model(&request, objects.as_deref());
     let mut notes = images.notes(&program, &request);
-    let has_no_image = |name: &str| {
-        let is_solid = |(_, object): (_, &Object)| object.shape.solid().is_some();
-        let is_background = scene.background().is_some_and(|object| object.name == name);
-        is_background || scene.object(name).is_some_and(is_solid)
-    };
-    let left_out = arguments
-        .texture
-        .iter()
-        .filter(|it| has_no_image(&it.object));
-    notes.extend(left_out.map(|it| {
-        let name = &it.object;
-        format!("the image of `{name}` is left out: in a file of meshes only surfaces have images")
-    }));
+    let background = scene.background().map(|object| &object.name);
+    let mut chosen = arguments.texture.iter();
+    if let Some(name) = background.filter(|name| chosen.any(|it| it.object == **name)) {
+        notes.push(format!(
+            "the image of `{name}` is left out: in a file of meshes only surfaces have images"
+        ));
+    }
     notes.extend(model.notes.clone());
     target.write_with(|out| {
         model
