@@ -131,6 +131,49 @@ fn json_has_every_error_of_every_readable_file() {
 }
 
 #[test]
+fn what_a_script_s_mesh_lacks_is_reported_with_what_a_script_can_state() {
+    let folder = folder(&[
+        (
+            "plane.crt",
+            "Scene { Plane { normal -> vec3(0,1,0) position -> vec3(0,-1,0) } \
+            Sphere { center -> vec3(0,0,0) radius -> 1 } }",
+        ),
+        (
+            "cut.crt",
+            "Scene { Plane { normal -> vec3(0,1,0) position -> vec3(0,-1,0) } \
+            ^ Box { cornerA -> vec3(-3, -3, -3) cornerB -> vec3(3, 3, 3) } }",
+        ),
+        (
+            "thin.crt",
+            "Scene { Box { cornerA -> vec3(0,0,0) cornerB -> vec3(4,0.01,2) } + \
+            Sphere { center -> vec3(0,0,0) radius -> 0.5 } }",
+        ),
+    ]);
+    let noted = |script: &str| {
+        let run = run(folder.path(), &["export", script, "-o", "a.stl"], "");
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        let lines = run.stderr.lines().map(str::to_owned);
+        let notes: Vec<String> = lines.filter(|line| line.starts_with("note: ")).collect();
+        notes
+    };
+    assert_eq!(
+        noted("plane.crt"),
+        [
+            "note: `1:9` has no mesh, because it may be unbounded: no bound was found along x, y and z; intersect it with a \
+             box: `^ Box { cornerA -> vec3(-3, -3, -3) cornerB -> vec3(3, 3, 3) }`"
+        ]
+    );
+    assert_eq!(noted("cut.crt"), [""; 0]);
+    assert_eq!(
+        noted("thin.crt"),
+        [
+            "note: parts of `1:9` are thinner than a cell (0.035) and may be missing; `geotrace convert` makes a program of \
+             the script, where counts make the cells smaller: `x : [-0.5, 4, 512]`"
+        ]
+    );
+}
+
+#[test]
 fn values_have_the_form_of_the_contract() {
     let folder = folder(&[]);
     let eval = |program: &str, rest: &[&str]| {

@@ -119,8 +119,8 @@ struct RayContent {
     staged: Vec<(String, AttributeSet)>,
     notes: Vec<RayNote>,
     picture_look: PictureLook,
-    /// False if the scene specifies that only declared lights shine.
-    has_standard_lights: bool,
+    /// True if the scene is that of a script: only declared lights shine.
+    is_script: bool,
 }
 
 /// A solid of the world.
@@ -304,7 +304,7 @@ impl RayScene {
 
     /// Returns the lights that the scene declares; if there are none, those of the 3D view for the camera.
     pub fn lights(&self, camera: &LensCamera, standard: &StandardLights) -> Vec<Light> {
-        if self.content.lights.is_empty() && self.content.has_standard_lights {
+        if self.content.lights.is_empty() && !self.content.is_script {
             standard.of(camera)
         } else {
             self.content.lights.clone()
@@ -488,8 +488,11 @@ impl RayScene {
 
     /// Returns the axes along which a solid of the world has no bound, as advice to cut it.
     pub fn missing_cuts(&self, solid: usize) -> MissingCuts {
+        let is_script = self.content.is_script;
+        let [x, y, z] = self.world.unbounded_axes(solid);
         MissingCuts {
-            axes: self.world.unbounded_axes(solid),
+            axes: if is_script { [x, z, y] } else { [x, y, z] },
+            is_script,
             prism: self.content.solids[solid]
                 .is_prism
                 .then(|| self.object_of_solid(solid).name.clone()),

@@ -119,7 +119,7 @@ pub(super) fn meshed(
             "`{name}` is meshed with {MOST_CELLS} cells along its longest side, the maximum: its counts request {asked}"
         ));
     }
-    notes.extend(thin(name, &bounds, cells, &found));
+    notes.extend(thin(name, &bounds, cells, &found, scene.picture.is_some()));
     (Some((mesh, colours)), notes)
 }
 
@@ -189,8 +189,15 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
     places.map(colour).collect()
 }
 
-/// Returns a sentence about the parts that a mesh lacks because they are thinner than a cell.
-fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Option<String> {
+/// Returns a sentence about the parts that a mesh lacks because they are thinner than a cell, and what makes the cells
+/// smaller; the solids of a script have no counts.
+fn thin(
+    name: &str,
+    bounds: &BoundingBox,
+    cells: u32,
+    found: &SolidMesh,
+    is_script: bool,
+) -> Option<String> {
     let sides = bounds.upper - bounds.lower;
     let longest = sides.max_element();
     let cell = number::text(brief(longest / f64::from(cells)));
@@ -219,9 +226,13 @@ fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Opti
     let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
     let axis = ["x", "y", "z"][axis];
     let [low, high] = [low, high].map(number::text);
-    Some(format!(
-        "{text}; make the cells smaller by counts: `{axis} : [{low}, {high}, {MOST_CELLS}]`"
-    ))
+    let counts = format!("`{axis} : [{low}, {high}, {MOST_CELLS}]`");
+    Some(match is_script {
+        true => format!(
+            "{text}; `geotrace convert` makes a program of the script, where counts make the cells smaller: {counts}"
+        ),
+        false => format!("{text}; make the cells smaller by counts: {counts}"),
+    })
 }
 
 /// Returns a length rounded to two digits.

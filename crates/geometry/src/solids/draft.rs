@@ -49,7 +49,7 @@ impl<'a> Draft<'a> {
             sheets: Vec::new(),
             content: RayContent {
                 picture_look: options.picture_look,
-                has_standard_lights: scene.picture.is_none(),
+                is_script: scene.picture.is_some(),
                 ..RayContent::default()
             },
         }

@@ -55,11 +55,14 @@ pub enum RayFault {
     UnplacedImage,
 }
 
-/// The axes along which no bound of a solid was found. Displayed as a clause with the intervals to state.
+/// The axes along which no bound of a solid was found. Displayed as a clause with the intervals to state, or for a script,
+/// which has none, with the box to intersect.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct MissingCuts {
-    /// True for x, y and z if no bound along the axis was found.
+    /// True for x, y and z of the text if no bound along the axis was found.
     pub axes: [bool; 3],
+    /// True for a solid of a script.
+    pub is_script: bool,
     /// The name of a solid whose declaration must name z before it can cut it.
     pub prism: Option<String>,
 }
@@ -72,12 +75,19 @@ impl std::fmt::Display for MissingCuts {
             [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
             all => all.concat(),
         };
+        write!(f, "no bound was found along {along}; ")?;
+        if self.is_script {
+            return write!(
+                f,
+                "intersect it with a box: `^ Box {{ cornerA -> vec3(-3, -3, -3) cornerB -> vec3(3, 3, 3) }}`"
+            );
+        }
         let cuts: Vec<String> = missing
             .iter()
             .map(|axis| format!("{axis} : [-3, 3]"))
             .collect();
         let cuts = cuts.join(", ");
-        write!(f, "no bound was found along {along}; cut it by `{cuts}`")?;
+        write!(f, "cut it by `{cuts}`")?;
         match &self.prism {
             Some(name) if self.axes[2] => {
                 write!(f, ", which needs the parameter z: `solid {name}(x, y, z)`")
