@@ -53,7 +53,7 @@ pub struct Break {
     pub is_pole: bool,
 }
 
-/// Where an instance is interrupted.
+/// The places at which an instance is interrupted.
 #[derive(Clone, Debug, Default)]
 pub struct Interruptions {
     /// The breaks between samples, in ascending order.
