@@ -428,7 +428,10 @@ fn the_mesh_of_a_script_is_that_of_its_params() {
         text.lines().filter(|line| line.starts_with("o ")).count()
     };
     assert_eq!(balls(&mut page), 1);
-    page.notify("change", json!({ "patch": { "params": { "t": [3] } } }));
+    for t in [5, 4, 3] {
+        page.notify("change", json!({ "patch": { "params": { "t": [t] } } }));
+        assert!(page.core.model.awaits_rerun(), "a notice runs no script");
+    }
     assert_eq!(balls(&mut page), 4);
     page.work();
     let scenes = page.events.iter().rev();
