@@ -77,10 +77,13 @@ impl Caster<'_> {
         let leaf = &world.leaves[event.leaf as usize];
         let piece = leaf.first_piece + event.piece as usize;
         let flat = world.low[piece].as_ref().and_then(|low| low.normal);
-        let normal = flat.or_else(|| self.gradient(ray, event).try_normalize());
-        let normal = normal.or_else(|| self.normal_beside(ray, event));
-        // Without a usable gradient, the normal is along the ray.
-        let normal = normal.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z));
+        let normal = match flat {
+            Some(normal) => normal,
+            None => match self.gradient(ray, event).try_normalize() {
+                Some(normal) => normal,
+                None => self.normal_beside(ray, event),
+            },
+        };
         let leads_out = (normal.dot(ray.direction) < 0.0) == entering;
         Crossing {
             t: event.t,
@@ -96,9 +99,15 @@ impl Caster<'_> {
         }
     }
 
+    /// Returns a unit normal where there is no usable gradient: that of the gradient beside the point, or else along the ray.
+    fn normal_beside(&mut self, ray: &Ray, event: SurfaceEvent) -> DVec3 {
+        let beside = self.gradient_beside(ray, event);
+        beside.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z))
+    }
+
     /// Returns the direction of a function's gradient slightly beside a point of the ray where the gradient is undefined. At
     /// a pole it is that of the pole's surface; at the end of a domain the gradient usually tends towards the normal.
-    fn normal_beside(&mut self, ray: &Ray, event: SurfaceEvent) -> Option<DVec3> {
+    fn gradient_beside(&mut self, ray: &Ray, event: SurfaceEvent) -> Option<DVec3> {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
         let LeafSurface::Field(field, _) = &leaf.compiled.pieces[event.piece as usize] else {
