@@ -62,8 +62,8 @@ impl SpaceCamera {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
     }
 
-    /// Returns the horizontal unit vector to the right, without the roll. Straight down it is x, and straight up −x: y is up in the
-    /// picture.
+    /// Returns the horizontal unit vector to the right, without the roll. Straight down it is x, and straight up −x: y is
+    /// up in the picture.
     fn right(&self) -> DVec3 {
         let forward = self.forward();
         let upright = DVec3::X * -forward.z.signum();
@@ -187,10 +187,9 @@ impl SpaceCamera {
             radius: home.radius,
             ..self
         };
-        // A ball that touches the sides of the picture is as far away as this.
-        let distance = |tangent: f64| 1.0 / tangent.atan().sin();
-        let farther = distance(self.tangent) / distance(home.tangent);
-        let distance = home.distance() * farther;
+        // A ball of radius 1 that touches the sides of the picture is at a distance of 1 over this.
+        let sine = |tangent: f64| tangent.atan().sin();
+        let distance = home.distance() * sine(home.tangent) / sine(self.tangent);
         camera.with(target - self.forward() * distance, target)
     }
 

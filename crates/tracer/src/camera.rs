@@ -152,6 +152,7 @@ impl Default for LensCamera {
 
 impl SampleAxes {
     /// The place of a sample of a pixel.
+    // What depends on the number of the sample alone is then taken out of the loop over pixels.
     #[inline(always)]
     pub fn sample(self, pixel: [u32; 2], sample: u32) -> Sample {
         let steps: &[u32] = match (self.lens, self.lights) {

@@ -321,6 +321,7 @@ mod tests {
         let names: Vec<&str> = scene.objects.iter().map(|it| it.name.as_str()).collect();
         assert_eq!((last.program.version, names), (3, vec!["p", "q"]));
     }
+
     #[test]
     fn of_values_that_are_chosen_while_a_script_runs_only_the_last_run_it_again() {
         let (sender, events) = EventSender::new(egui::Context::default());

@@ -577,7 +577,8 @@ impl<'w> Writer<'w> {
         };
         let mut option = None;
         if let Some(path) = path.filter(|path| is_below(path)) {
-            // The image `a` is the file `a.png` if there is one, whichever others there are. So it is in a script.
+            // Without an extension, in a script and in a program, `a` is the file `a.png` if there is one, whichever others
+            // there are.
             let (word, extension) = path.rsplit_once('.').unwrap_or((path, "png"));
             if is_word(word) && matches!(extension, "png" | "jpg" | "jpeg") {
                 let _ = write!(text, ", image : {word}");

@@ -14,6 +14,7 @@ const BESIDE: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 
 impl Caster<'_> {
     /// Returns the crossing where a ray passes a surface of a solid.
+    // Here and below: a crossing that is returned through memory is read back before the processor has stored it.
     #[inline(always)]
     pub(super) fn passed(
         &mut self,

@@ -379,6 +379,7 @@ impl<'a> LightTracer<'a> {
     /// solid, the caster has the crossings at its place.
     ///
     /// An opaque parametric surface is seen before the face of a solid that it lies on, one of glass is not.
+    // A face that is returned through memory is read back before the processor has stored it.
     #[inline(always)]
     fn nearest(&mut self, index: usize, ray: &Ray, start: Start) -> Option<(Face, Start)> {
         let scenery = self.scenery;
