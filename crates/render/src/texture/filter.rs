@@ -5,8 +5,11 @@
 //! texture mapping", 1999).
 //!
 //! Pixels go through it in arrays, one array for each quantity, in loops without branches: each becomes one over
-//! vectors, the fetch of texels too (a gather, where the processor has one). What differs by level is written to
-//! arrays first, by a pass for each level that some pixel needs: neighbours need one or two.
+//! vectors. What differs by level is written to arrays first, by a pass for each level that some pixel needs: neighbours
+//! need one or two.
+//!
+//! Texels are fetched in pairs of neighbours: two loads of 16 bytes for a place, where gathers of single texels took four
+//! elements of a slow instruction.
 
 #![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
 
@@ -42,11 +45,11 @@ const THRESHOLDS: [[f32; 64]; 4] = {
     thresholds
 };
 
-/// A texel in linear light, 65535 for 1: red in the lowest 16 bits, then green, then blue. One word, so that one gather
-/// fetches it.
+/// A texel in linear light, 65535 for 1: red in the lowest 16 bits, then green, then blue.
 type LinearTexel = u64;
 
-/// All levels in linear light, one after another, each row by row from the top.
+/// All levels in linear light, one after another, each row by row from the top. Each row ends with its first texel again,
+/// and each level with its first row, so that the right and the lower neighbour of every texel follow it.
 #[derive(Clone, Debug)]
 pub(super) struct LinearTexels {
     texels: Vec<LinearTexel>,
@@ -114,10 +117,10 @@ struct PixelAxis<const L: usize> {
     size: [i32; L],
 }
 
-/// The two columns (or rows) on both sides of L places, and the share of the way from the first to the second.
+/// The column (or row) before each of L places, and the share of the way from it to the next one: 0 where the image's border
+/// goes on.
 struct Neighbours<const L: usize> {
     first: [i32; L],
-    second: [i32; L],
     share: [f32; L],
 }
 
@@ -322,29 +325,24 @@ impl<'a> Sampler<'a> {
     ) -> [[f32; L]; 3] {
         let columns = pixels.axes[0].beside(&at[0], self.repeats[0]);
         let rows = pixels.axes[1].beside(&at[1], self.repeats[1]);
-        let mut corners = [[0; L]; 4];
+        let mut top = [0; L];
+        let mut bottom = [0; L];
         for k in 0..L {
-            let top = pixels.first[k] + rows.first[k] * pixels.axes[0].size[k];
-            let bottom = pixels.first[k] + rows.second[k] * pixels.axes[0].size[k];
-            corners[0][k] = top + columns.first[k];
-            corners[1][k] = top + columns.second[k];
-            corners[2][k] = bottom + columns.first[k];
-            corners[3][k] = bottom + columns.second[k];
+            let stride = pixels.axes[0].size[k] + 1;
+            top[k] = pixels.first[k] + rows.first[k] * stride + columns.first[k];
+            bottom[k] = top[k] + stride;
         }
-        let [p, q, r, s] = &corners;
-        let p = fetch(self.light, p);
-        let q = fetch(self.light, q);
-        let r = fetch(self.light, r);
-        let s = fetch(self.light, s);
+        let top = fetch(self.light, &top);
+        let bottom = fetch(self.light, &bottom);
         let mut light = [[0.0; L]; 3];
         for (channel, light) in light.iter_mut().enumerate() {
             for k in 0..L {
                 let (across, down) = (columns.share[k], rows.share[k]);
-                let [p, q] = [of(p[k], channel), of(q[k], channel)];
-                let [r, s] = [of(r[k], channel), of(s[k], channel)];
-                let top = p + across * (q - p);
-                let bottom = r + across * (s - r);
-                light[k] = top + down * (bottom - top);
+                let [p, q] = top[k].map(|texel| of(texel, channel));
+                let [r, s] = bottom[k].map(|texel| of(texel, channel));
+                let upper = p + across * (q - p);
+                let lower = r + across * (s - r);
+                light[k] = upper + down * (lower - upper);
             }
         }
         light
@@ -399,12 +397,11 @@ impl<const L: usize> PixelLevels<L> {
 }
 
 impl<const L: usize> PixelAxis<L> {
-    /// The texels on both sides of offsets, and how far these are between them.
+    /// The texels before offsets, and how far these are towards the next ones.
     #[inline(always)]
     fn beside(&self, offsets: &[f32; L], repeats: bool) -> Neighbours<L> {
         let mut beside = Neighbours {
             first: [0; L],
-            second: [0; L],
             share: [0.0; L],
         };
         let (mut outside, mut far) = (0, 0);
@@ -413,7 +410,6 @@ impl<const L: usize> PixelAxis<L> {
             let down = floor(x);
             let first = to_i32(down).wrapping_add(self.texel[k]);
             beside.first[k] = first;
-            beside.second[k] = first.wrapping_add(1);
             beside.share[k] = x - down;
             outside |= u32::from(first as u32 >= (self.size[k] - 1) as u32);
             let near = x.abs() < EXACT && (first as f32).abs() < EXACT;
@@ -426,19 +422,18 @@ impl<const L: usize> PixelAxis<L> {
                 let (first, size) = (beside.first[k], self.size[k]);
                 let times = to_i32(round(first as f32 / size as f32));
                 let rest = first.wrapping_sub(times.wrapping_mul(size));
-                let first = if rest < 0 {
+                beside.first[k] = if rest < 0 {
                     rest.wrapping_add(size)
                 } else {
                     rest
                 };
-                beside.first[k] = first;
-                beside.second[k] = if first + 1 >= size { 0 } else { first + 1 };
             }
         } else if outside != 0 {
             for k in 0..L {
-                let last = self.size[k] - 1;
-                beside.first[k] = beside.first[k].clamp(0, last);
-                beside.second[k] = beside.second[k].clamp(0, last);
+                let (first, last) = (beside.first[k], self.size[k] - 1);
+                let between = (first as u32) < last as u32;
+                beside.first[k] = first.clamp(0, last);
+                beside.share[k] = if between { beside.share[k] } else { 0.0 };
             }
         }
         beside
@@ -452,29 +447,33 @@ impl<const L: usize> PixelAxis<L> {
             let (size, x) = (self.size[k], self.fraction[k] + offsets[k] * self.scale[k]);
             let down = x.floor();
             let first = (down as i32).wrapping_add(self.texel[k]);
-            let kept = |texel: i32| match repeats {
-                true => texel.rem_euclid(size),
-                false => texel.clamp(0, size - 1),
-            };
-            beside.first[k] = kept(first);
-            beside.second[k] = kept(first.saturating_add(1));
             // The difference to a saturated number would be no weight.
-            beside.share[k] = larger(smaller(x - down, 1.0), 0.0);
+            let share = larger(smaller(x - down, 1.0), 0.0);
+            (beside.first[k], beside.share[k]) = if repeats {
+                (first.rem_euclid(size), share)
+            } else {
+                let between = (0..size - 1).contains(&first);
+                (first.clamp(0, size - 1), if between { share } else { 0.0 })
+            };
         }
     }
 }
 
-/// Texels at positions; beyond the last it is the last, which nobody asks for: so the loop has no branches.
+/// Texels at positions, each with the next one; beyond the last pair it is the last, which nobody asks for: so the loop has no
+/// branches.
 #[inline(always)]
-fn fetch<const L: usize>(light: &[LinearTexel], positions: &[i32; L]) -> [LinearTexel; L] {
-    let mut texels = [0; L];
-    let Some(last) = light.len().checked_sub(1) else {
-        return texels;
+fn fetch<const L: usize>(light: &[LinearTexel], positions: &[i32; L]) -> [[LinearTexel; 2]; L] {
+    let mut pairs = [[0; 2]; L];
+    let Some(last) = light.len().checked_sub(2) else {
+        return pairs;
     };
     for k in 0..L {
-        texels[k] = light[(positions[k] as u32 as usize).min(last)];
+        let position = (positions[k] as u32 as usize).min(last);
+        if let Some(pair) = light[position..].first_chunk() {
+            pairs[k] = *pair;
+        }
     }
-    texels
+    pairs
 }
 
 /// A channel of a texel.
@@ -536,13 +535,19 @@ pub(super) fn light_of(levels: &[Level]) -> LinearTexels {
         let [r, g, b] = [r, g, b].map(|&byte| table[usize::from(byte)]);
         r | g << 16 | b << 32
     };
+    let padded = |[width, height]: [u32; 2]| (width as usize + 1) * (height as usize + 1);
     let mut light = LinearTexels {
-        texels: Vec::with_capacity(levels.iter().map(|level| level.texels.len()).sum()),
+        texels: Vec::with_capacity(levels.iter().map(|level| padded(level.size)).sum()),
         firsts: Vec::with_capacity(levels.len()),
     };
     for level in levels {
         light.firsts.push(light.texels.len());
-        light.texels.extend(level.texels.iter().map(texel));
+        let rows = level.texels.chunks(level.size[0].max(1) as usize);
+        for row in rows.clone().chain(rows.take(1)) {
+            light
+                .texels
+                .extend(row.iter().chain(row.first()).map(texel));
+        }
     }
     light
 }
