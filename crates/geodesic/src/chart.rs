@@ -12,6 +12,8 @@ pub(crate) use layout::ChartLayout;
 
 use std::cell::Cell;
 
+use expr::interval::Interval;
+
 use crate::interpolate::MIDDLE_OF_SIX;
 use crate::metric::{acceleration, gaussian_curvature, minus_components};
 use crate::point::Uv;
@@ -88,10 +90,19 @@ impl<'s> Atlas<'s> {
         jet
     }
 
-    /// Returns the smooth piece of a point that may be beyond sides that wrap.
-    pub(crate) fn smooth_piece(&self, mut at: [f64; 2]) -> u64 {
-        self.layout.bring_back(&mut at);
-        self.surface.smooth_piece(Uv(at))
+    /// Returns [`ChartLayout::smooth_piece`].
+    pub(crate) fn smooth_piece(&self, at: [f64; 2]) -> u64 {
+        self.layout.smooth_piece(self.surface, at)
+    }
+
+    /// Returns [`ChartLayout::off_crease`].
+    pub(crate) fn off_crease(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        self.layout.off_crease(self.surface, at, velocity)
+    }
+
+    /// Returns [`ChartLayout::is_one_piece`].
+    pub(crate) fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        self.layout.is_one_piece(self.surface, within)
     }
 
     /// Returns the distance between two points in (u,v): in space, or, without an embedding, by the metric at the first

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! frame ──start.rs──▶ active rays ──driver.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
-//! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs)──▶ sectors
+//! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs, creases.rs)──▶ sectors
 //! points of the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
@@ -14,6 +14,7 @@ mod border;
 mod build;
 pub(crate) mod cell;
 pub(crate) mod coordinates;
+mod creases;
 mod driver;
 mod error_indicator;
 mod event;
@@ -34,13 +35,10 @@ use expr::processor::{self, Processor};
 use crate::chart::{Atlas, ChartLayout, State};
 use crate::ends::{Coordinates, End, Ends, Estimate, GeodesicWork, Polar};
 use crate::frame::Frame;
-use crate::integrate;
 use crate::metric::Metric;
 use crate::point::PicturePoint;
-use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::surface::{Surface, affordable_evaluations};
-use crate::trace;
 pub use build::MOST_FOR_RAYS;
 pub(crate) use build::{ACROSS, BASE, ONE_RAY};
 use cell::Found;
@@ -95,8 +93,6 @@ pub struct Fan<'s> {
     /// `None` where no ray can start.
     start: Option<FanStart>,
     sectors: Sectors,
-    /// The error allowed to a pixel integrated on its own, per length.
-    tolerance: f64,
     /// Pixels integrated one by one, and their evaluations.
     followed: AtomicU64,
     evaluations: AtomicU64,
@@ -121,9 +117,6 @@ impl<'s> Fan<'s> {
             Some(start) => build::build(surface, &layout, start, options),
             None => Sectors::default(),
         };
-        let tolerance = start.as_ref().map_or(1e-6, |start| {
-            (0.1 * options.tolerance * start.pixel / start.reach).clamp(1e-13, 1e-3)
-        });
         Self {
             surface,
             periods: layout.periods(),
@@ -131,7 +124,6 @@ impl<'s> Fan<'s> {
             options: *options,
             start,
             sectors,
-            tolerance,
             followed: AtomicU64::new(0),
             evaluations: AtomicU64::new(0),
         }
@@ -185,6 +177,9 @@ impl<'s> Fan<'s> {
         t: f64,
     ) -> End {
         let rays = self.sectors.rays(sector);
+        if sector.hides(s) {
+            return self.follow(start, place, s);
+        }
         if s >= sector.unknown_from {
             // Both rays end before `s`: the status is known.
             if let Some(status) = border::both_ended(rays, t, s) {
@@ -231,28 +226,13 @@ impl<'s> Fan<'s> {
         }
         self.followed.fetch_add(1, Ordering::Relaxed);
         let atlas = Atlas::new(self.surface);
-        let Ok(from) = start.frame.start(&atlas, place) else {
-            return self.ended(Status::Undefined);
-        };
-        let mut plan = integrate::IntegrationPlan {
-            tableau: &DOPRI5,
-            tolerance: Some(self.tolerance),
-            step: trace::first_step(&atlas, s),
-            limit: self.sectors.pixel_limit,
-            charts: true,
-            keep_path: false,
-        };
-        let mut end = integrate::integrate(&atlas, from, s, plan);
-        let allowed = 0.5 * self.options.tolerance * start.pixel;
-        if end.error > allowed && end.status == Status::Complete {
-            // Errors have grown along the way, as they do in chaos: repeat with a correspondingly smaller tolerance.
-            plan.tableau = &DOP853;
-            plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
-            plan.limit = atlas.evaluations() + self.sectors.pixel_limit;
-            end = integrate::integrate(&atlas, from, s, plan);
-        }
+        let limit = self.sectors.pixel_limit;
+        let end = start.follow(&atlas, &self.options, place, s, limit);
         let evaluations = atlas.evaluations() as u64;
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
+        let Some(end) = end else {
+            return self.ended(Status::Undefined);
+        };
         if end.status != Status::Complete {
             return self.ended(end.status);
         }

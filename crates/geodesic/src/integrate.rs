@@ -118,6 +118,8 @@ pub(crate) fn integrate(
 /// The quantities to be observed along the way, besides the ray itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Observed {
+    /// The Jacobi field at the start, m and m', if not 0 and 1.
+    pub(crate) first_field: Option<[f64; 2]>,
     /// True if the Jacobi fields are to be as accurate as the ray.
     pub(crate) accurate_jacobi: bool,
     /// True if conjugate points are located.
@@ -146,7 +148,7 @@ pub(crate) fn integrate_observed(
         local,
         s: 0.0,
         errors: ErrorSum::default(),
-        field: [0.0, 1.0],
+        field: observed.first_field.unwrap_or([0.0, 1.0]),
         flipped: false,
         creases: 0,
         cost: Cost {

@@ -8,6 +8,7 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
+use expr::interval::Interval;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::processor::{Processor, Work};
 use expr::tape::{Registers, Tape};
@@ -162,6 +163,12 @@ impl Surface for MetricSurface {
 
     fn smooth_piece(&self, uv: Uv) -> u64 {
         self.pieces.as_ref().map_or(0, |pieces| pieces.at(uv))
+    }
+
+    fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        self.pieces
+            .as_ref()
+            .is_none_or(|pieces| pieces.is_one(within))
     }
 
     fn is_embedded(&self) -> bool {

@@ -3,6 +3,9 @@
 //! At a zoom of 10⁻¹² the u and v of neighbouring pixels differ by a few ulps. Relative to the camera they keep all
 //! their digits; the sum is formed only where the surface is evaluated, and its rounding there is negligible.
 
+use expr::interval::Interval;
+use expr::ops::Binary;
+
 use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
@@ -83,6 +86,12 @@ impl Surface for Moved<'_> {
 
     fn smooth_piece(&self, uv: Uv) -> u64 {
         self.surface.smooth_piece(self.there(uv))
+    }
+
+    fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        let there =
+            |k: usize| Interval::binary(Binary::Add, within[k], Interval::point(self.by[k]));
+        self.surface.is_one_piece([0, 1].map(there))
     }
 
     fn is_embedded(&self) -> bool {

@@ -14,6 +14,8 @@ mod ends;
 
 use std::array::from_fn;
 
+use expr::interval::Interval;
+
 use crate::ends::Coordinates;
 use crate::fan::Fan;
 use crate::frame::Frame;
@@ -265,6 +267,17 @@ impl Surface for Reparametrised<'_> {
 
     fn smooth_piece(&self, uv: Uv) -> u64 {
         self.surface.smooth_piece(self.restored(uv).0)
+    }
+
+    fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        // The parameters grow with the new ones, up to rounding.
+        let ends =
+            [Interval::lower, Interval::upper].map(|end| self.restored(Uv(within.map(end))).0.0);
+        let restored = |k: usize| {
+            let rounding = 16.0 * f64::EPSILON * ends[0][k].abs().max(ends[1][k].abs());
+            Interval::new(ends[0][k] - rounding, ends[1][k] + rounding)
+        };
+        self.surface.is_one_piece([0, 1].map(restored))
     }
 
     fn is_embedded(&self) -> bool {

@@ -6,21 +6,48 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
+use expr::interval::Interval;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
+use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
 use crate::point::Uv;
+
+/// Rounding outward makes less than this of a zero.
+const ZERO: f64 = 1e-300;
 
 /// The signs of a surface's corners ([`Graph::corners`]), with the uniforms' values fixed.
 #[derive(Clone, Debug)]
 pub(crate) struct SmoothPieces {
     corners: JetTape,
     fixed: Fixed,
+    /// The same corners for intervals.
+    tape: Tape,
+    /// The tape's inputs.
+    inputs: Vec<PieceInput>,
+}
+
+/// An input of a [`SmoothPieces::tape`].
+#[derive(Clone, Copy, Debug)]
+enum PieceInput {
+    /// A coordinate: 0 for u, 1 for v.
+    Coordinate(usize),
+    /// A uniform with its value.
+    Fixed(f64),
+}
+
+/// What a thread needs for intervals: registers, inputs and results.
+#[derive(Default)]
+struct Ranges {
+    registers: Registers,
+    inputs: Vec<Interval>,
+    values: Vec<Interval>,
 }
 
 thread_local! {
     /// Registers and results, one set per thread, to avoid allocations.
     static SCRATCH: RefCell<(JetRegisters, Vec<[f64; 1]>)> = RefCell::default();
+    static RANGES: RefCell<Ranges> = RefCell::default();
 }
 
 impl SmoothPieces {
@@ -38,11 +65,22 @@ impl SmoothPieces {
         if corners.is_empty() {
             return Ok(None);
         }
+        let tape = Tape::new(&graph, &corners);
+        let input = |input: &Input| match *input {
+            Input::Variable(k) => PieceInput::Coordinate(k as usize),
+            Input::Uniform(_) => PieceInput::Fixed(uniform(input)),
+        };
+        let inputs = tape.inputs().iter().map(input).collect();
         let variables = [Input::Variable(0), Input::Variable(1)];
         let corners = JetTape::new(&graph, &corners, variables, Order::Value)?;
         let values: Vec<f64> = corners.uniforms().iter().map(uniform).collect();
         let fixed = corners.fix(&values);
-        Ok(Some(Self { corners, fixed }))
+        Ok(Some(Self {
+            corners,
+            fixed,
+            tape,
+            inputs,
+        }))
     }
 
     /// Returns the number of the piece to which a point belongs.
@@ -54,6 +92,32 @@ impl SmoothPieces {
             self.corners.eval(registers, &self.fixed, &at, values);
             let positive = values.iter().map(|[value]| u64::from(*value > 0.0));
             positive.fold(0, |piece: u64, sign| piece.rotate_left(1) ^ sign)
+        })
+    }
+
+    /// Returns true if all points of a box belong to one piece and none is on a crease; false where intervals cannot decide.
+    pub(crate) fn is_one(&self, within: [Interval; 2]) -> bool {
+        RANGES.with_borrow_mut(|ranges| {
+            let Ranges {
+                registers,
+                inputs,
+                values,
+            } = ranges;
+            inputs.clear();
+            inputs.extend(self.inputs.iter().map(|input| match *input {
+                PieceInput::Coordinate(k) => within.get(k).copied().unwrap_or(within[0]),
+                PieceInput::Fixed(x) => Interval::point(x),
+            }));
+            values.clear();
+            values.resize(self.tape.root_count(), Interval::point(0.0));
+            self.tape.eval_intervals(registers, inputs, values);
+            // Where what is compared is the same everywhere, both formulas are.
+            let is_zero = |value: &Interval| value.lower() > -ZERO && value.upper() < ZERO;
+            let has_sign =
+                |value: &Interval| value.lower() > 0.0 || value.upper() < 0.0 || is_zero(value);
+            values
+                .iter()
+                .all(|value| !value.is_partial() && has_sign(value))
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
+use expr::interval::Interval;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::{Graph, Input, NodeId};
 
@@ -30,6 +31,11 @@ pub trait Surface: Sync {
     /// smooth; where it changes, the surface may have a crease. 0 everywhere where nothing is known about creases.
     fn smooth_piece(&self, _uv: Uv) -> u64 {
         0
+    }
+    /// Returns true if all points of a box of the chart have one [`Surface::smooth_piece`] and none is on a crease; false where
+    /// that cannot be decided.
+    fn is_one_piece(&self, _within: [Interval; 2]) -> bool {
+        true
     }
     /// Returns whether positions are points in space. A metric without an embedding gives jets in a separate frame at each
     /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, must not be
@@ -179,6 +185,12 @@ impl Surface for ParametricSurface {
 
     fn smooth_piece(&self, uv: Uv) -> u64 {
         self.pieces.as_ref().map_or(0, |pieces| pieces.at(uv))
+    }
+
+    fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        self.pieces
+            .as_ref()
+            .is_none_or(|pieces| pieces.is_one(within))
     }
 
     fn instruction_count(&self) -> usize {

@@ -249,6 +249,7 @@ pub(crate) fn trace_from(
         accurate_jacobi: options.conjugates || options.keep_jacobi,
         conjugates: options.conjugates,
         jacobi_knots: options.keep_jacobi,
+        ..Observed::default()
     };
     let common = IntegrationPlan {
         tableau: &DOP853,
@@ -373,7 +374,8 @@ pub(crate) fn first_step(atlas: &Atlas<'_>, length: f64) -> f64 {
     length.min(0.04 * atlas.layout.scale.size)
 }
 
-/// Returns the start brought back into the domain, at unit speed, and the distance by which it was moved off a pole.
+/// Returns the start brought back into the domain, at unit speed, and the distance by which it was moved off a pole
+/// or a crease.
 pub(crate) fn unit_start(
     atlas: &Atlas<'_>,
     start: [f64; 2],
@@ -386,7 +388,7 @@ pub(crate) fn unit_start(
     let mut at = place(atlas, start)?;
     let signs = atlas.layout.bring_back(&mut at).signs;
     let given = at;
-    at = atlas.layout.off_pole(at);
+    at = atlas.off_crease(atlas.layout.off_pole(at), velocity);
     let jet = atlas.jet(at);
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });

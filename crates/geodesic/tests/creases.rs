@@ -113,6 +113,65 @@ fn pyramid() -> ParametricSurface {
     m.done([u, v, z], [[-2.0, 2.0]; 2])
 }
 
+/// A roof of half this width and this slope along v, on a plane: slope max(0, width − |u − 0.5|).
+fn roof(width: f64, slope: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let off = m.plus(-0.5, m.u);
+    let off = m.f(Unary::Abs, off);
+    let off = m.scale(-1.0, off);
+    let height = m.plus(width, off);
+    let zero = m.c(0.0);
+    let top = m.g.binary(Binary::Max, zero, height);
+    let z = m.scale(slope, top);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+/// A cone of this radius and slope on a plane, at (0.5, 0.13): slope max(0, radius − r).
+fn conical_bump(radius: f64, slope: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let square = m.add(xx, yy);
+    let r = m.f(Unary::Sqrt, square);
+    let r = m.scale(-1.0, r);
+    let height = m.plus(radius, r);
+    let zero = m.c(0.0);
+    let top = m.g.binary(Binary::Max, zero, height);
+    let z = m.scale(slope, top);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+/// The end of the geodesic from (0, 0) in this direction over a [`conical_bump`] that it meets: the cone unrolled.
+fn behind_bump([radius, slope]: [f64; 2], angle: f64, length: f64) -> [f64; 2] {
+    let direction = [angle.cos(), angle.sin()];
+    let [x, y] = [-0.5, -0.13];
+    let along = -(x * direction[0] + y * direction[1]);
+    let off = x * direction[1] - y * direction[0];
+    // At the rim the angle to the circle is the same on both sides; the unrolled cone has a larger radius.
+    let sine = off / radius;
+    let before = along - (radius * radius - off * off).sqrt();
+    let stretch = slope.hypot(1.0);
+    let inside = radius * stretch;
+    let chord = 2.0 * inside * (1.0 - sine * sine).sqrt();
+    // Half the angle of the chord, unrolled, and about the axis.
+    let turn = 2.0 * (1.0 - sine * sine).sqrt().atan2(sine.abs()) * stretch;
+    let turn = turn.copysign(sine);
+    let enters = [x + before * direction[0], y + before * direction[1]];
+    let rest = length - before - chord;
+    // The frame of the radius is turned about the axis, and the direction is mirrored in it.
+    let start = enters[1].atan2(enters[0]);
+    let leaves = start + turn;
+    let at = [radius * leaves.cos(), radius * leaves.sin()];
+    let inward = angle - start;
+    let outward = leaves + (PI - inward);
+    [
+        0.5 + at[0] + rest * outward.cos(),
+        0.13 + at[1] + rest * outward.sin(),
+    ]
+}
+
 /// Returns m and the distance by which neighbouring rays are apart, per angle.
 #[track_caller]
 fn compare(surface: &dyn Surface, at: [f64; 2], degrees: f64, length: f64) -> [f64; 2] {
@@ -343,5 +402,54 @@ fn geodesics_across_rims_are_found() {
         let end = end.expect("a start").uv;
         let off = (end[0] - to[0]).hypot(end[1] - to[1]);
         assert!(off < 1e-8, "{found:?}");
+    }
+}
+
+#[test]
+fn narrow_ridges_are_not_leapt_over() {
+    let options = Options {
+        compare: false,
+        ..Options::default()
+    };
+    for width in [0.1, 0.02, 0.004, 1e-4] {
+        let surface = roof(width, 1.0);
+        for n in -9..=9 {
+            let angle = 0.1 * f64::from(n);
+            let end = trace_heading(&surface, [0.0, 0.0], angle, 1.6, &options).expect("a start");
+            let (sin, cos) = angle.sin_cos();
+            // The ridge is a strip of the plane, √2 times as wide.
+            let u = 1.6 * cos - 2.0 * width * (2.0_f64.sqrt() - 1.0);
+            if u < 0.5 + 1.1 * width {
+                continue;
+            }
+            assert_eq!(
+                (end.creases, end.status),
+                (3, Status::Complete),
+                "{width}, {n}"
+            );
+            let off = (end.uv[0] - u).hypot(end.uv[1] - 1.6 * sin);
+            assert!(off < 1e-9, "{width}, {n}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_small_bump_on_the_way_is_met() {
+    for [radius, slope] in [[0.2, 2.0], [0.05, 2.0], [0.02, 1.0], [0.003, 0.5]] {
+        let surface = conical_bump(radius, slope);
+        let centre = 0.13_f64.atan2(0.5);
+        let reach = (radius / 0.5_f64.hypot(0.13)).asin();
+        for share in [-0.95, -0.6, -0.3, 0.2, 0.5, 0.9] {
+            let angle = centre + share * reach;
+            let end = trace_heading(&surface, [0.0, 0.0], angle, 1.7, &Options::default());
+            let end = end.expect("a start");
+            assert_eq!(end.status, Status::Complete, "{radius}, {share}: {end:?}");
+            let expected = behind_bump([radius, slope], angle, 1.7);
+            let off = (end.uv[0] - expected[0]).hypot(end.uv[1] - expected[1]);
+            assert!(
+                off < 1e-7,
+                "{radius}, {share}: {off:e}, {end:?}, {expected:?}"
+            );
+        }
     }
 }

@@ -4,7 +4,8 @@ mod shapes;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use expr::ops::Unary;
+use expr::NodeId;
+use expr::ops::{Binary, Unary};
 use geodesic::ends::{Coordinates, End, Ends};
 use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
@@ -648,6 +649,93 @@ fn several_places_at_once_end_as_each_by_itself() {
             assert_eq!(one.status, several.status, "{place:?}");
             let bits = |end: &End| end.at.map(f64::to_bits);
             assert_eq!(bits(&one), bits(&several), "{place:?}");
+        }
+    }
+}
+
+/// A plane with the height max(0, slope (width − f(u, v))).
+fn creased(width: f64, slope: f64, f: impl FnOnce(&mut Maker) -> NodeId) -> ParametricSurface {
+    let mut m = Maker::new();
+    let f = f(&mut m);
+    let f = m.scale(-1.0, f);
+    let height = m.plus(width, f);
+    let height = m.scale(slope, height);
+    let zero = m.c(0.0);
+    let z = m.g.binary(Binary::Max, zero, height);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+/// |u − 0.5|.
+fn off_line(m: &mut Maker) -> NodeId {
+    let off = m.plus(-0.5, m.u);
+    m.f(Unary::Abs, off)
+}
+
+/// The distance from (0.5, 0.13).
+fn off_point(m: &mut Maker) -> NodeId {
+    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let square = m.add(xx, yy);
+    m.f(Unary::Sqrt, square)
+}
+
+/// |u| + |v|.
+fn off_axes(m: &mut Maker) -> NodeId {
+    let (a, b) = (m.f(Unary::Abs, m.u), m.f(Unary::Abs, m.v));
+    m.add(a, b)
+}
+
+/// The larger of two cones on a plane: max(max(0, 0.1 − r), max(0, 0.2 − q)). What the outer maximum compares is 0 on the plane.
+fn two_hats() -> ParametricSurface {
+    let mut m = Maker::new();
+    let zero = m.c(0.0);
+    let hats = [(0.1, -0.5, 1.0), (0.2, 0.4, 0.7)].map(|(width, x, y)| {
+        let (x, y) = (m.plus(x, m.u), m.plus(y, m.v));
+        let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+        let square = m.add(xx, yy);
+        let r = m.f(Unary::Sqrt, square);
+        let r = m.scale(-1.0, r);
+        let height = m.plus(width, r);
+        m.g.binary(Binary::Max, zero, height)
+    });
+    let z = m.g.binary(Binary::Max, hats[0], hats[1]);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+#[test]
+fn creases_are_where_single_geodesics_meet_them() {
+    let surfaces = [
+        ("a ridge", creased(0.1, 1.0, off_line)),
+        ("a narrow ridge", creased(0.01, 1.0, off_line)),
+        ("a fold", creased(9.0, 1.0, off_line)),
+        ("a cone", creased(0.1, 2.0, off_point)),
+        ("a small cone", creased(0.02, 1.0, off_point)),
+        ("a pyramid", creased(0.7, 1.0, off_axes)),
+        ("an endless pyramid", creased(9.0, 1.0, off_axes)),
+        ("two hats", two_hats()),
+    ];
+    for (name, surface) in surfaces {
+        // The last ones are on creases.
+        for uv in [
+            [-0.3, -0.1],
+            [0.1, 0.2],
+            [0.45, 0.13],
+            [0.5, 0.1],
+            [0.0, 0.0],
+        ] {
+            let frame = Frame::new(&surface, uv, 0.0, 1.4).expect("a frame");
+            let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
+            let seen = compare(&surface, &frame, SIZE, &fan, 400);
+            let work = fan.work();
+            let estimate = fan.estimate();
+            let told = format!("{name} {uv:?}: {seen:?}, estimated {estimate:?}, {work:?}");
+            assert!(seen.max <= 0.05, "{told}");
+            assert_eq!(seen.wrong_status, 0, "{told}");
+            assert!(seen.max <= 2.0 * estimate.max, "{told}");
+            // The rays determine nearly all pixels, and are far fewer than these.
+            assert!(work.rays <= 600 && work.followed <= 20, "{told}");
         }
     }
 }

@@ -1,7 +1,10 @@
 //! A chart as a whole: the domain, its sides and the continuation beyond them, and the charts about its apexes.
 
+use expr::interval::Interval;
+
 use super::{ApexChart, State};
 use crate::ends::Coordinates;
+use crate::point::Uv;
 use crate::scale::Scale;
 use crate::sides::{Crossing, Side, Sides};
 use crate::surface::Surface;
@@ -9,6 +12,11 @@ use crate::topology::Apex;
 
 /// A point beyond an edge by at most this fraction of the domain's width is still on the edge.
 const EDGE_SLACK: f64 = 1e-12;
+/// A start on a crease is moved off it by this fraction of the domain, and by this fraction of its own coordinates.
+const OFF_CREASE: f64 = 1e-11;
+const DIGITS: f64 = 1e-14;
+/// The tangent of the angle by which a direction is turned that leads from a corner along a crease.
+const ASKEW: f64 = 0.6;
 /// The fractions of a step at which edges are checked.
 const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
@@ -23,6 +31,8 @@ pub(crate) struct ChartLayout {
     /// parameter, as in [`Coordinates`].
     charts: [[Option<ApexChart>; 2]; 2],
     pub(crate) scale: Scale,
+    /// True if points of the domain belong, or may belong, to different smooth pieces.
+    pub(crate) has_creases: bool,
     any_chart: bool,
     any_edge: bool,
 }
@@ -49,6 +59,7 @@ impl ChartLayout {
         Self {
             domain,
             sides,
+            has_creases: !surface.is_one_piece(domain.map(|[low, high]| Interval::new(low, high))),
             any_chart: charts.iter().flatten().any(Option::is_some),
             any_edge: [sides.u, sides.v].as_flattened().contains(&Side::Edge),
             apexes,
@@ -132,6 +143,38 @@ impl ChartLayout {
         at
     }
 
+    /// Moves a point on a crease off it, in a direction if that leaves the crease: on the crease there is no tangent plane.
+    /// Returns any other point unchanged.
+    pub(crate) fn off_crease(
+        &self,
+        surface: &dyn Surface,
+        at: [f64; 2],
+        [x, y]: [f64; 2],
+    ) -> [f64; 2] {
+        if !self.has_creases {
+            return at;
+        }
+        let step = [0, 1].map(|k| (OFF_CREASE * self.width(k)).max(DIGITS * at[k].abs()));
+        let is_beside = |at: [f64; 2]| {
+            let around = [0, 1].map(|k| {
+                let reach = 0.2 * step[k];
+                Interval::new(at[k] - reach, at[k] + reach)
+            });
+            self.is_one_piece(surface, around)
+        };
+        let scale = 1.0 / x.abs().max(y.abs());
+        let turned = |turn: f64| {
+            let d = [x - turn * y, y + turn * x].map(|x| x * scale);
+            [[d[0], d[1]], [-d[1], d[0]], [d[1], -d[0]], [-d[0], -d[1]]]
+        };
+        let moved = (turned(0.0).into_iter())
+            .chain(turned(ASKEW))
+            .map(|d| [0, 1].map(|k| at[k] + step[k] * d[k]));
+        let mut places = [at].into_iter().chain(moved);
+        let beside = places.find(|at| self.contains(*at) && is_beside(*at));
+        beside.unwrap_or(at)
+    }
+
     /// Returns the periods by which neighbouring ends may differ behind a smooth pole.
     pub(crate) fn periods(&self) -> [f64; 2] {
         [0, 1].map(|axis| {
@@ -148,6 +191,52 @@ impl ChartLayout {
     #[inline(always)]
     pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> Crossing {
         self.sides.bring_back(self.domain, at)
+    }
+
+    /// Returns the smooth piece of a point that may be beyond sides that wrap.
+    pub(crate) fn smooth_piece(&self, surface: &dyn Surface, mut at: [f64; 2]) -> u64 {
+        self.bring_back(&mut at);
+        surface.smooth_piece(Uv(at))
+    }
+
+    /// Returns true if all points of a box that may reach beyond sides that wrap have one smooth piece; false where that
+    /// cannot be decided. Points beyond edges do not count.
+    pub(crate) fn is_one_piece(&self, surface: &dyn Surface, within: [Interval; 2]) -> bool {
+        // Each part of the box between two sides lies in one copy of the domain.
+        let parts = |axis: usize| {
+            let [low, high] = self.domain[axis];
+            let sides = self.sides.of(axis).map(|side| side == Side::Edge);
+            let (from, to) = (within[axis].lower(), within[axis].upper());
+            let from = if sides[0] { from.max(low) } else { from };
+            let to = if sides[1] { to.min(high) } else { to };
+            let mut ends = vec![from];
+            ends.extend(
+                [low, high]
+                    .into_iter()
+                    .filter(|end| from < *end && *end < to),
+            );
+            ends.push(to);
+            ends
+        };
+        let [us, vs] = [parts(0), parts(1)];
+        us.windows(2).all(|u| {
+            vs.windows(2).all(|v| {
+                let part = [[u[0], u[1]], [v[0], v[1]]];
+                let mut middle = part.map(|[from, to]| 0.5 * (from + to));
+                let half = part.map(|[from, to]| 0.5 * (to - from));
+                self.bring_back(&mut middle);
+                let back = |k: usize| {
+                    let rounding = 8.0 * f64::EPSILON * (middle[k].abs() + part[k][1].abs());
+                    let reach = half[k] + rounding;
+                    let [low, high] = self.domain[k];
+                    Interval::new(
+                        (middle[k] - reach).max(low.min(middle[k])),
+                        (middle[k] + reach).min(high.max(middle[k])),
+                    )
+                };
+                surface.is_one_piece([back(0), back(1)])
+            })
+        })
     }
 
     /// Brings a point with its velocity back into the domain.

@@ -1,7 +1,7 @@
 //! A ray during integration, step by step, and the finished ray that it becomes.
 
 use super::coordinates::FanChart;
-use super::ray::{Knot, Ray, Segment, Stop};
+use super::ray::{CreasePassage, Knot, Ray, Segment, Stop};
 use super::sectors::{BINS, Profile, bin};
 use crate::chart::{ChartLayout, State};
 use crate::status::Status;
@@ -32,6 +32,10 @@ pub(super) struct ActiveRay {
     pub(super) evaluations: u64,
     pub(super) segments: Vec<Segment>,
     pub(super) stop: Option<Stop>,
+    /// The smooth piece that it is in.
+    pub(super) piece: u64,
+    /// The creases passed so far.
+    pub(super) passages: Vec<CreasePassage>,
     pub(super) done: bool,
     /// The number of steps beyond an edge.
     pub(super) beyond: u32,
@@ -70,6 +74,8 @@ impl ActiveRay {
             evaluations: 0,
             segments: Vec::new(),
             stop: None,
+            piece: 0,
+            passages: Vec::new(),
             done: false,
             beyond: 0,
             errors: ErrorSum::default(),
@@ -112,6 +118,7 @@ impl ActiveRay {
     /// Returns the finished ray.
     pub(super) fn finish(self) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
+        ray.passages = self.passages;
         ray.off = self.off;
         ray.tolerance_share = self.tolerance_share;
         ray

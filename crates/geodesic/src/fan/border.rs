@@ -46,7 +46,8 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let far = a.s.max(b.s);
     let known = rays.into_iter().all(|ray| far <= ray.end + ray.slack);
     let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
-    like && !known && a.s.min(b.s) > 0.5 * far
+    let smooth = rays.into_iter().all(|ray| ray.passages.is_empty());
+    like && smooth && !known && a.s.min(b.s) > 0.5 * far
 }
 
 /// Returns the arc length up to which both rays continue: 0 where they end at an edge that may be oblique.

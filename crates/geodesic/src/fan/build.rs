@@ -141,9 +141,14 @@ pub(super) fn build(
     if options.follows_each {
         (all.follow_within, all.pixel_limit) = (f64::INFINITY, ONE_PIXEL as usize);
     } else if !builder.exhausted {
-        let left = options.max_evaluations.saturating_sub(all.work.evaluations);
         let unknown = UnknownAreas::of(&all, layout, options.interpolation, start);
-        (all.follow_within, all.pixel_limit) = unknown.affordable(&all.work, start, left);
+        // The number that the rays needed, and more; pixels take fewer where only the rays have difficulties.
+        let of_ray = 2 * all.work.evaluations / builder.work.rays.max(1) + 100;
+        let [of_pixel, taken] = unknown.evaluations_of_pixel(surface, &options, start);
+        all.work.evaluations += taken;
+        let each = of_ray.min(of_pixel);
+        let left = options.max_evaluations.saturating_sub(all.work.evaluations);
+        (all.follow_within, all.pixel_limit) = unknown.affordable(each, start, left);
     }
     all.work.rays = all.rays.len() as u64;
     all
@@ -171,6 +176,10 @@ impl Builder<'_> {
             .map(|(id, wanted)| {
                 let mut ray = self.start.ray(wanted.angle, wanted.around, plan.first);
                 ray.id = id;
+                if self.layout.has_creases {
+                    let at = ray.plain(self.layout).at;
+                    ray.piece = self.layout.smooth_piece(self.surface, at);
+                }
                 ray.tolerance_share = wanted.tolerance_share;
                 ray
             })

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::border::{Stretch, edge, is_stretched};
 use super::coordinates::FanChart;
+use super::creases;
 use super::ray::{Ray, Sample};
 use crate::chart::{ChartLayout, turned};
 use crate::ends::{Coordinates, End};
@@ -316,6 +317,9 @@ pub(super) fn end_between(
     t: f64,
     s: f64,
 ) -> Found {
+    if creases::is_hidden(rays, s) {
+        return Found::Unknown;
+    }
     let unknown = |ray: &Ray| {
         ray.stop
             .is_some_and(|stop| stop.status == Status::WorkLimit && s > stop.s)
@@ -377,6 +381,13 @@ pub(super) fn discrepancy(
     t: f64,
     s: f64,
 ) -> Option<f64> {
+    let [a, b] = rays;
+    if [[a, b], [a, middle], [b, middle]]
+        .into_iter()
+        .any(|pair| creases::is_hidden(pair, s))
+    {
+        return None;
+    }
     let truth = middle.at(s)?;
     let guess = between(layout, interpolation, rays, width, t, s)?;
     let guess = Sample {

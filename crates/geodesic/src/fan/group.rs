@@ -8,17 +8,22 @@ use super::coordinates::FanChart;
 use super::driver::RayPlan;
 use super::event::leaves;
 use super::lanes::{LaneEquation, LaneLocals, LaneStep, STAGES};
-use super::ray::{Knot, Segment};
+use super::ray::{CreasePassage, Knot, Segment};
 use expr::processor::{Processor, Work};
 
 use crate::chart::{Atlas, ChartLayout};
-use crate::integrate;
+use crate::integrate::{self, Observed, RayEnd};
 use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
+use crate::step_path::StepPath;
 use crate::surface::{LANES, Lanes, Surface};
 
 /// The maximum number of evaluations spent on finding the reason why a ray makes no progress.
 const CAREFUL: u64 = 4000;
+/// A crease is passed if it is nearer than this multiple of [`RayPlan::shortest`]: at most a quarter of a pixel.
+const BESIDE_CREASE: f64 = 25.0;
+/// A step to a crease ends at most at this fraction of the step that crossed it.
+const SHORTER: f64 = 0.9;
 /// A step shorter than this multiple of [`RayPlan::least`] means that a singularity is near.
 const SHORT: f64 = 3.0;
 /// The maximum number of steps beyond an edge.
@@ -214,6 +219,21 @@ impl<'a> Group<'a> {
             let excess = self.excess(ray, trial, lane, h);
             if ray.stop.is_some() {
                 self.active[lane] = excess <= 1.0;
+                continue;
+            }
+            // A step across a crease is wrong in any case, whatever its error.
+            if excess.is_finite()
+                && let Some(ahead) = self.crease_ahead(ray, trial, lane, h)
+            {
+                let near = BESIDE_CREASE * self.plan.shortest;
+                if ahead <= near {
+                    self.pass_crease(ray, ahead + 0.5 * near);
+                    self.active[lane] = false;
+                } else {
+                    verdict.factors[lane] = ((ahead - 0.5 * near) / h).min(SHORTER);
+                    verdict.failed[lane] = true;
+                    verdict.rejected += 1;
+                }
                 continue;
             }
             // The method has order 5. Single precision is enough for a factor.
@@ -418,6 +438,88 @@ impl<'a> Group<'a> {
             && ray.evaluations + STAGES <= self.plan.limit
     }
 
+    /// Returns the length to a point shortly behind the first crease on a step.
+    fn crease_ahead(&self, ray: &ActiveRay, trial: &LaneStep, lane: usize, h: f64) -> Option<f64> {
+        let LaneEquation {
+            surface, layout, ..
+        } = self.equation;
+        if !layout.has_creases || self.equation.chart.is_some() {
+            return None;
+        }
+        let of = |state: &States<LANES>, local: &LaneLocals| {
+            let [x, y] = &local.acceleration;
+            [
+                [state[0][lane], state[1][lane]],
+                [state[2][lane], state[3][lane]],
+                [x[lane], y[lane]],
+            ]
+        };
+        let path = StepPath::new(
+            h,
+            of(&self.state, &self.local),
+            of(&trial.end, &trial.local),
+        );
+        let share = path.first_beyond(&|within| layout.is_one_piece(surface, within), &|at| {
+            layout.beyond_edge(at).is_none() && layout.smooth_piece(surface, at) != ray.piece
+        })?;
+        Some(share * h)
+    }
+
+    /// Passes a crease within this length by an integration on its own; the ray continues behind it in another group.
+    fn pass_crease(&self, ray: &mut ActiveRay, way: f64) {
+        let layout = self.equation.layout;
+        let from = ray.state();
+        let mut start = from;
+        let back = layout.bring_state_back(&mut start);
+        let atlas = Atlas::new(self.equation.surface);
+        let pass = |field: [f64; 2]| {
+            let plan = integrate::IntegrationPlan {
+                tableau: &DOPRI5,
+                tolerance: Some(self.plan.rate.clamp(1e-12, 1e-6)),
+                step: way,
+                limit: atlas.evaluations() + CAREFUL as usize,
+                charts: true,
+                keep_path: false,
+            };
+            let observed = Observed {
+                first_field: Some(field),
+                ..Observed::default()
+            };
+            integrate::integrate_observed(&atlas, start.into(), way, plan, observed)
+        };
+        let end = pass([0.0, 1.0]);
+        let other = pass([1.0, 0.0]);
+        ray.evaluations += atlas.evaluations() as u64;
+        let off = [0, 1].map(|k| end.state.at[k] - start.at[k]);
+        let stays = (0..2).all(|k| off[k].abs() < 0.5 * layout.width(k));
+        if end.status != Status::Complete || end.flipped || !stays {
+            self.end_at(ray, &end);
+            return;
+        }
+        let fields = [[other.field, end.field], [other.field_rate, end.field_rate]];
+        let [m, rate] = ray.m;
+        ray.m = fields.map(|[n, k]| n * m + k * rate);
+        ray.errors.add(fields, 0.0, 0.0);
+        let piece = layout.smooth_piece(self.equation.surface, end.state.at);
+        if piece != ray.piece || end.creases > 0 {
+            ray.passages.push(CreasePassage {
+                from: ray.s,
+                to: ray.s + way,
+                piece,
+            });
+        }
+        ray.piece = piece;
+        ray.s += way;
+        ray.at = [0, 1].map(|k| from.at[k] + back.signs[k] * off[k]);
+        ray.velocity = [0, 1].map(|k| back.signs[k] * end.state.velocity[k]);
+        ray.control.forget();
+        if ray.s >= ray.length * (1.0 - END_SHARE) {
+            ray.done = true;
+        } else if ray.evaluations + STAGES > self.plan.limit {
+            ray.stop(ray.s, Status::WorkLimit);
+        }
+    }
+
     /// Ends a ray at an edge; returns whether it is worth continuing beyond.
     fn leave(&self, ray: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
         let collapsed = self.equation.layout.apexes[axis][end].is_some();
@@ -451,6 +553,12 @@ impl<'a> Group<'a> {
         };
         let end = integrate::integrate(&atlas, state, way, plan);
         ray.evaluations += atlas.evaluations() as u64;
+        self.end_at(ray, &end);
+    }
+
+    /// Ends a ray where an integration on its own, from the ray's point, ended.
+    fn end_at(&self, ray: &mut ActiveRay, end: &RayEnd) {
+        let layout = self.equation.layout;
         let status = match end.status {
             // It passes what stopped the group: unknown from here on.
             Status::Complete => Status::WorkLimit,

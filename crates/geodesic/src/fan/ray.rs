@@ -5,6 +5,7 @@ use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile, most};
 use crate::interpolate::quintic;
 use crate::status::Status;
+use crate::step_path::range;
 
 /// A ray's state at the end of a step.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,16 @@ pub(crate) struct Stop {
     pub(crate) has_own_slope: bool,
 }
 
+/// A crease that a ray has passed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CreasePassage {
+    /// The arc lengths of its last point before the crease and its first one behind.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The smooth piece behind.
+    pub(crate) piece: u64,
+}
+
 /// The interpolation between two knots: polynomials in the fraction x ∈ [0,1].
 #[derive(Clone, Debug)]
 struct Interval<const D: usize> {
@@ -76,6 +87,8 @@ pub(crate) struct Ray<const D: usize = 2> {
     /// The length beyond that up to which the intervals are reliable.
     pub(crate) slack: f64,
     pub(crate) stop: Option<Stop>,
+    /// The creases that it has passed, in order.
+    pub(crate) passages: Vec<CreasePassage>,
     /// The estimated error of its position in each range of radius, up to a factor that is nearly the same for all rays
     /// of a fan.
     pub(crate) off: Profile,
@@ -142,6 +155,7 @@ impl<const D: usize> Ray<D> {
             end,
             slack,
             stop,
+            passages: Vec::new(),
             off: [0.0; BINS],
             tolerance_share: 1.0,
         }
@@ -177,6 +191,30 @@ impl<const D: usize> Ray<D> {
             Some(stop) if stop.status == Status::LeftDomain => stop.s.max(self.end),
             Some(stop) => stop.s,
         }
+    }
+
+    /// Returns the ranges between two arc lengths of each component of the position γ, and of γ + `angle`·J; `None` where they
+    /// are not known, or not in the plain coordinates alone.
+    pub(super) fn ranges(&self, [from, to]: [f64; 2], angle: f64) -> Option<[[[f64; 2]; 2]; D]> {
+        let first = self.starts.partition_point(|start| *start <= from);
+        let last = self.starts.partition_point(|start| *start < to);
+        let intervals = self.intervals.get(first.saturating_sub(1)..last)?;
+        let mut ranges = [[[f64::INFINITY, f64::NEG_INFINITY]; 2]; D];
+        for interval in intervals {
+            if !interval.chart.is_plain() {
+                return None;
+            }
+            let share = |s: f64| ((s - interval.from) / interval.length).max(0.0);
+            let shares = [share(from), share(to.min(interval.from + interval.length))];
+            for (k, both) in ranges.iter_mut().enumerate() {
+                for ([low, high], angle) in both.iter_mut().zip([0.0, angle]) {
+                    let path = interval.main.map(|[at, field]| at[k] + angle * field[k]);
+                    let within = range(&path, shares);
+                    (*low, *high) = (low.min(within.lower()), high.max(within.upper()));
+                }
+            }
+        }
+        (!intervals.is_empty()).then_some(ranges)
     }
 
     /// Returns the ray at an arc length; `None` where it is not known.

@@ -5,6 +5,7 @@
 
 use super::Interpolation;
 use super::build::{ACROSS, Builder, Wanted};
+use super::creases::Between;
 use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
 use super::{border, cell};
@@ -18,6 +19,8 @@ const FEW: usize = 64;
 const LEFT_OUT: f64 = 2.0;
 /// The factor by which a sector's error may exceed its prediction before a lower order is assumed for its halves.
 const EXCESS: f32 = 2.0;
+/// Sectors of which creases hide more pixels than this are bisected: a ray costs about as much as some of them.
+const MOST_HIDDEN: f64 = 16.0;
 /// An error in pixels that means no agreement at all.
 const WRONG: f64 = 1e9;
 
@@ -46,11 +49,21 @@ impl Builder<'_> {
         errors: Profile,
         edge: f64,
     ) -> Sector {
+        let border = self.start.border(angle + 0.5 * width, 0.5 * width);
+        let between = Between {
+            surface: self.surface,
+            layout: self.layout,
+            rays: rays.map(|ray| &self.rays[ray]),
+            width,
+            border,
+            pixel: self.start.pixel,
+        };
         Sector {
             rays,
             angle,
             width,
-            border: self.start.border(angle + 0.5 * width, 0.5 * width),
+            border,
+            hidden: between.hidden(),
             unknown_from: f64::INFINITY,
             free_until: 0.0,
             errors,
@@ -144,11 +157,13 @@ impl Builder<'_> {
                     .min(self.pair(sector)[1].limit())
                     >= border)
             && border::end_alike(self.pair(sector), border, self.start.pixel)
+            && sector.hidden_area(0.0, border) <= MOST_HIDDEN * self.start.pixel * self.start.pixel
     }
 
     /// Returns the last range of radius that matters.
     pub(super) fn inside(&self, sector: &Sector) -> usize {
         let far = border::farthest(self.pair(sector), sector.width);
+        let far = far.min(sector.hidden_from());
         bin(sector.border.min(far), self.start.reach)
     }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::border;
+use super::creases;
 use super::ray::Ray;
 use crate::ends::{Estimate, GeodesicWork};
 
@@ -22,6 +23,8 @@ pub(super) struct Sector {
     pub(super) border: f64,
     /// The arc length from which its rays do not determine where geodesics end.
     pub(super) unknown_from: f64,
+    /// The ranges of arc length in which its rays do not determine them because of creases; the last one may be endless.
+    pub(super) hidden: Vec<[f64; 2]>,
     /// The arc length up to which both rays continue and nothing else needs checking (see
     /// [`free_end_between`](super::cell::free_end_between)). Set when the fan is complete.
     pub(super) free_until: f64,
@@ -48,6 +51,27 @@ impl Sector {
     /// Returns the largest visible error up to a range of radius.
     pub(super) fn most(&self, last: usize) -> f32 {
         (0..=last).fold(0.0, |most, n| self.seen_error(n).max(most))
+    }
+
+    /// Returns true if its rays do not determine where geodesics of this length end, because of a crease.
+    #[inline(always)]
+    pub(super) fn hides(&self, s: f64) -> bool {
+        self.hidden.iter().any(|[from, to]| *from < s && s < *to)
+    }
+
+    /// Returns the arc length from which creases hide everything.
+    pub(super) fn hidden_from(&self) -> f64 {
+        let last = self.hidden.last().filter(|[_, to]| to.is_infinite());
+        last.map_or(f64::INFINITY, |[from, _]| *from)
+    }
+
+    /// Returns the area between two arc lengths that creases hide.
+    pub(super) fn hidden_area(&self, from: f64, to: f64) -> f64 {
+        let ring = |range: &[f64; 2]| {
+            let [from, to] = [range[0].max(from), range[1].min(to)];
+            0.5 * self.width * (to * to - from * from).max(0.0) * f64::from(from < to)
+        };
+        self.hidden.iter().map(ring).sum()
     }
 
     /// The estimated error in pixels.
@@ -105,7 +129,14 @@ impl Sectors {
         self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         for sector in &mut self.sectors {
             let rays = sector.rays.map(|ray| &self.rays[ray]);
-            sector.free_until = border::free_until(rays).min(sector.unknown_from);
+            let hidden = sector
+                .hidden
+                .first()
+                .map_or(f64::INFINITY, |range| range[0]);
+            sector.free_until = border::free_until(rays)
+                .min(sector.unknown_from)
+                .min(creases::first_of(rays))
+                .min(hidden);
         }
         let parts = (4 * self.sectors.len()).next_power_of_two();
         let mut n = 0;

@@ -2,15 +2,19 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::FanOptions;
 use super::active_ray::ActiveRay;
 use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile};
 use crate::chart::{Atlas, ChartLayout};
 use crate::ends::{Coordinates, End};
 use crate::frame::Frame;
-use crate::integrate;
+use crate::integrate::{self, RayEnd};
+use crate::point::PicturePoint;
+use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::surface::Surface;
+use crate::trace;
 
 /// The start of all rays.
 #[derive(Clone, Debug)]
@@ -141,6 +145,38 @@ impl FanStart {
             }
         }
         seen
+    }
+
+    /// Integrates one geodesic on its own, to the arc length `s` in the direction of a place in the picture; `None` where it
+    /// cannot start. Each of up to two integrations takes at most `limit` evaluations.
+    pub(super) fn follow(
+        &self,
+        atlas: &Atlas<'_>,
+        options: &FanOptions,
+        place: PicturePoint,
+        s: f64,
+        limit: usize,
+    ) -> Option<RayEnd> {
+        let from = self.frame.start(atlas, place).ok()?;
+        let tolerance = (0.1 * options.tolerance * self.pixel / self.reach).clamp(1e-13, 1e-3);
+        let mut plan = integrate::IntegrationPlan {
+            tableau: &DOPRI5,
+            tolerance: Some(tolerance),
+            step: trace::first_step(atlas, s),
+            limit: atlas.evaluations() + limit,
+            charts: true,
+            keep_path: false,
+        };
+        let end = integrate::integrate(atlas, from, s, plan);
+        let allowed = 0.5 * options.tolerance * self.pixel;
+        if end.error <= allowed || end.status != Status::Complete {
+            return Some(end);
+        }
+        // Errors have grown along the way, as they do in chaos: repeat with a correspondingly smaller tolerance.
+        plan.tableau = &DOP853;
+        plan.tolerance = Some((tolerance * allowed / end.error).max(1e-14));
+        plan.limit = atlas.evaluations() + limit;
+        Some(integrate::integrate(atlas, from, s, plan))
     }
 
     /// Returns the end of the ray of length zero.

@@ -7,12 +7,10 @@
 use std::cell::Cell;
 
 use super::{FieldPiece, ImplicitSurface, LocalShape};
-use expr::interval::Interval;
 
 use crate::conjugate_search::{ROUNDS, brackets};
 use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
-use crate::interpolate::{quintic, value};
 use crate::jacobi::{self, JacobiKnot};
 use crate::runge_kutta::{
     self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
@@ -22,6 +20,7 @@ use crate::step_control::{
     ErrorSum, ROUNDING, SHORT, SHORTEST, SMALL_STEP, StepControl, UNDEFINED, step_after,
     step_to_try,
 };
+use crate::step_path::StepPath;
 use crate::vector::{combine, dot, norm};
 
 /// The components of a state in space.
@@ -32,10 +31,6 @@ const SLOPES: usize = 13;
 const LEAST_TURN: f64 = 0.3;
 /// The maximum length of a step on a surface that has edges, as a fraction of its size.
 const BESIDE_EDGES: f64 = 0.05;
-/// Parts of a step that are shorter than this fraction of it are not halved in the search for an edge.
-const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
-/// The maximum number of parts of a step that are halved in the search for an edge.
-const MOST_HALVED: u32 = 64;
 /// A step whose error is below this fraction of the ray's scale leaves only rounding after its correction.
 const GOOD: f64 = 1e-9;
 /// Evaluations that are reserved for the end.
@@ -485,52 +480,18 @@ impl SpaceRay<'_> {
         if !self.surface.has_edges() || self.edge.is_some() {
             return None;
         }
-        let path: [[f64; 6]; 3] = std::array::from_fn(|k| {
-            let of = |state: &SpaceState, shape: &LocalShape| {
-                [
-                    state.at[k],
-                    state.velocity[k],
-                    shape.acceleration(state.velocity)[k],
-                ]
-            };
-            quintic(
-                h,
-                of(&self.state, &self.shape),
-                of(&tried.end, &tried.shape),
-            )
-        });
-        let piece = self.equation.piece;
-        let beyond = |x: f64| {
-            let at = std::array::from_fn(|k| value(&path[k], x));
-            self.surface.is_beyond(piece, at)
+        let of = |state: &SpaceState, shape: &LocalShape| {
+            [state.at, state.velocity, shape.acceleration(state.velocity)]
         };
-        // Parts of the step, the first at the end of the list.
-        let mut parts = vec![[0.0, 1.0]];
-        let mut left = MOST_HALVED;
-        while let Some([from, to]) = parts.pop() {
-            let within = path.each_ref().map(|path| range(path, from, to));
-            if self.surface.stays_on(piece, within) {
-                continue;
-            }
-            let middle = 0.5 * (from + to);
-            if to - from > LEAST_PART && left > 0 {
-                left -= 1;
-                parts.extend([[middle, to], [from, middle]]);
-                continue;
-            }
-            let inside = (from > 0.0).then_some(from);
-            let places = inside
-                .into_iter()
-                .chain([0.25, 0.5, 0.75, 1.0].map(|x| from + x * (to - from)));
-            let mut low = from;
-            for x in places {
-                if beyond(x) {
-                    return Some(border(&beyond, low, x));
-                }
-                low = x;
-            }
-        }
-        None
+        let path = StepPath::new(
+            h,
+            of(&self.state, &self.shape),
+            of(&tried.end, &tried.shape),
+        );
+        let piece = self.equation.piece;
+        path.first_beyond(&|within| self.surface.stays_on(piece, within), &|at| {
+            self.surface.is_beyond(piece, at)
+        })
     }
 
     /// Ends at an edge that a step of this length meets.
@@ -560,31 +521,4 @@ impl SpaceRay<'_> {
             self.conjugates.push(self.s + zero.at);
         }
     }
-}
-
-/// Returns the range of a polynomial for arguments from `from` to `to`, which are not negative, from its coefficients
-/// by powers.
-fn range(coefficients: &[f64; 6], from: f64, to: f64) -> Interval {
-    let (mut lower, mut upper, mut size) = (0.0, 0.0, 0.0);
-    for (power, c) in (0..).zip(coefficients) {
-        let [a, b] = [from, to].map(|x: f64| c * x.powi(power));
-        lower += a.min(b);
-        upper += a.max(b);
-        size += a.abs().max(b.abs());
-    }
-    let rounding = 16.0 * f64::EPSILON * size;
-    Interval::new(lower - rounding, upper + rounding)
-}
-
-/// Returns the first argument known to be beyond an edge, between one that is not and one that is.
-fn border(beyond: &dyn Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..48 {
-        let middle = 0.5 * (low + high);
-        if beyond(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
 }

@@ -12,6 +12,8 @@
 
 mod sides;
 
+use expr::interval::Interval;
+
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
 use super::step::RayStep;
@@ -20,6 +22,7 @@ use crate::jet::Jet;
 use crate::metric::acceleration;
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
+use crate::step_path::StepPath;
 use crate::vector::{combine, dot, norm};
 use sides::{BothSides, Passage};
 
@@ -43,6 +46,9 @@ const FARTHEST: f64 = 1.2;
 const SHORTER: f64 = 0.9;
 /// The maximum gap between both sides of a crease, as a fraction of the ray's scale.
 const TORN: f64 = 1e-6;
+
+/// The minimum distance in a coordinate that counts as off a crease: at 0 coordinates are not rounded.
+const LEAST_ROUNDING: f64 = 1e-280;
 
 /// The maximum change of direction and speed in a step over a kink, which is 10⁻¹² of the scale long; at a singularity the
 /// curvature would cause a larger one.
@@ -84,12 +90,31 @@ impl Ray<'_, '_> {
             return None;
         }
         let piece = self.atlas.smooth_piece(self.state.at);
-        if self.atlas.smooth_piece(step.end.at) == piece {
+        let share = self.other_piece_on_way(step, piece)?;
+        let side = |state: &State| Some(f64::from(self.atlas.smooth_piece(state.at) != piece));
+        match self.crossing(share * step.length, &side) {
+            // The parabola does not meet what the step does.
+            Found::Steep => Some(Attempt::Again(SHORTER * share * h)),
+            found => self.approach(&found, [step.length, h], h),
+        }
+    }
+
+    /// Returns a fraction of a step's length at which it is in another smooth piece, shortly behind the first crease.
+    fn other_piece_on_way(&mut self, step: &RayStep, piece: u64) -> Option<f64> {
+        if !self.atlas.layout.has_creases {
             return None;
         }
-        let side = |state: &State| Some(f64::from(self.atlas.smooth_piece(state.at) != piece));
-        let found = self.crossing(FARTHEST * step.length, &side);
-        self.approach(&found, [step.length, h], h)
+        let local = self.local_after(step)?;
+        let of = |state: &State, local: &Local| [state.at, state.velocity, local.acceleration];
+        let path = StepPath::new(
+            step.length,
+            of(&self.state, &self.local),
+            of(&step.end, &local),
+        );
+        let atlas = self.atlas;
+        path.first_beyond(&|within| atlas.is_one_piece(within), &|at| {
+            atlas.smooth_piece(at) != piece
+        })
     }
 
     /// Returns the outcome of a step whose speed has jumped; `None` where the step may be accepted. `allowed` is the error
@@ -187,16 +212,32 @@ impl Ray<'_, '_> {
         if jump == 0.0 {
             return Found::Steep;
         }
-        // Both ends are at a distance from the crease at which rounding does not matter.
-        let mut behind = high.0 + sharp;
+        // Both ends are at a distance from the crease at which rounding does not matter: a ray may meet it at a small angle.
+        let (mut before, mut behind) = (low.0 - sharp, high.0 + sharp);
         for _ in 0..30 {
             let there = change(&self.ahead(behind));
-            if there.is_some_and(|it| (it - low.1).abs() > (it - high.1).abs()) {
+            let is_behind = there.is_some_and(|it| (it - low.1).abs() > (it - high.1).abs());
+            if is_behind && self.is_off_crease(behind) {
                 break;
             }
             behind = high.0 + 2.0 * (behind - high.0);
         }
-        Found::Crease([(low.0 - sharp).max(0.0), behind])
+        for _ in 0..30 {
+            if before <= 0.0 || self.is_off_crease(before) {
+                break;
+            }
+            before = low.0 + 2.0 * (before - low.0);
+        }
+        Found::Crease([before.max(0.0), behind])
+    }
+
+    /// Returns true if the ray is off every crease at a length ahead, whatever the rounding of its coordinates.
+    fn is_off_crease(&self, length: f64) -> bool {
+        let around = self.ahead(length).at.map(|x| {
+            let rounding = (8.0 * f64::EPSILON * x.abs()).max(LEAST_ROUNDING);
+            Interval::new(x - rounding, x + rounding)
+        });
+        self.atlas.is_one_piece(around)
     }
 
     /// Shortens a step of this length and size so that it ends before a crease, or passes the crease if it is near and

@@ -3,6 +3,9 @@
 //!
 //! The units are powers of two, so that nothing is rounded.
 
+use expr::interval::Interval;
+use expr::ops::Binary;
+
 use super::MeasureError;
 use crate::point::{TangentVector, Uv};
 use crate::surface::{ChartData, Jet, Surface};
@@ -125,6 +128,12 @@ impl Surface for Rescaled<'_> {
 
     fn smooth_piece(&self, uv: Uv) -> u64 {
         self.surface.smooth_piece(self.restored(uv))
+    }
+
+    fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        let restored =
+            |k: usize| Interval::binary(Binary::Mul, within[k], Interval::point(self.units[k]));
+        self.surface.is_one_piece([0, 1].map(restored))
     }
 
     fn is_embedded(&self) -> bool {

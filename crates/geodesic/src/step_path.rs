@@ -1,0 +1,97 @@
+//! The way of a step in coordinates: where it first leaves a region.
+//!
+//! In: the states at both ends of a step. Out: positions at fractions of it, bounds of its parts, and the fraction at which it
+//! leaves a region that is given by a test on boxes and one on points.
+
+use expr::interval::Interval;
+
+use crate::interpolate::{quintic, value};
+
+/// Parts of a step that are shorter than this fraction of it are not halved in the search for a border.
+const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
+/// The maximum number of parts of a step that are halved in the search for a border.
+const MOST_HALVED: u32 = 64;
+
+/// The position, the velocity and the acceleration at an end of a step.
+pub(crate) type StepEnd<const D: usize> = [[f64; D]; 3];
+
+/// The coordinates of a step as quintic polynomials of the fraction done, from 0 to 1.
+pub(crate) struct StepPath<const D: usize>([[f64; 6]; D]);
+
+impl<const D: usize> StepPath<D> {
+    /// Returns the path of a step of length `h` between two ends.
+    pub(crate) fn new(h: f64, from: StepEnd<D>, to: StepEnd<D>) -> Self {
+        let of = |end: &StepEnd<D>, k: usize| end.map(|vector| vector[k]);
+        Self(std::array::from_fn(|k| {
+            quintic(h, of(&from, k), of(&to, k))
+        }))
+    }
+
+    /// Returns the position at a fraction of the step.
+    pub(crate) fn at(&self, x: f64) -> [f64; D] {
+        self.0.each_ref().map(|path| value(path, x))
+    }
+
+    /// Returns the first fraction known to be beyond the border of a region in which the step begins, or `None`. `stays`
+    /// returns true if no point of a box is beyond, false where it cannot decide; `is_beyond` decides for a point.
+    pub(crate) fn first_beyond(
+        &self,
+        stays: &dyn Fn([Interval; D]) -> bool,
+        is_beyond: &dyn Fn([f64; D]) -> bool,
+    ) -> Option<f64> {
+        // Parts of the step, the first at the end of the list.
+        let mut parts = vec![[0.0, 1.0]];
+        let mut left = MOST_HALVED;
+        while let Some([from, to]) = parts.pop() {
+            if stays(self.0.each_ref().map(|path| range(path, [from, to]))) {
+                continue;
+            }
+            let middle = 0.5 * (from + to);
+            if to - from > LEAST_PART && left > 0 {
+                left -= 1;
+                parts.extend([[middle, to], [from, middle]]);
+                continue;
+            }
+            let inside = (from > 0.0).then_some(from);
+            let places = inside
+                .into_iter()
+                .chain([0.25, 0.5, 0.75, 1.0].map(|x| from + x * (to - from)));
+            let mut low = from;
+            for x in places {
+                if is_beyond(self.at(x)) {
+                    return Some(self.border(is_beyond, low, x));
+                }
+                low = x;
+            }
+        }
+        None
+    }
+
+    /// Returns the first fraction known to be beyond a border, between one that is not and one that is.
+    fn border(&self, is_beyond: &dyn Fn([f64; D]) -> bool, mut low: f64, mut high: f64) -> f64 {
+        for _ in 0..48 {
+            let middle = 0.5 * (low + high);
+            if is_beyond(self.at(middle)) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+}
+
+/// Returns the range of a polynomial for arguments between two that are not negative, from its coefficients by powers.
+pub(crate) fn range(coefficients: &[f64; 6], [from, to]: [f64; 2]) -> Interval {
+    let (mut lower, mut upper, mut size) = (0.0, 0.0, 0.0);
+    let (mut low, mut high) = (1.0, 1.0);
+    for c in coefficients {
+        let [a, b] = [c * low, c * high];
+        lower += a.min(b);
+        upper += a.max(b);
+        size += a.abs().max(b.abs());
+        (low, high) = (low * from, high * to);
+    }
+    let rounding = 16.0 * f64::EPSILON * size;
+    Interval::new(lower - rounding, upper + rounding)
+}
