@@ -437,12 +437,7 @@ impl ImplicitSurface {
             return true;
         };
         let own = shape.distance * shape.slope;
-        let reach = norm(at).max(if self.size.is_finite() {
-            self.size
-        } else {
-            0.0
-        });
-        let same = (value - own).abs() <= SAME * shape.slope * reach;
+        let same = (value - own).abs() <= SAME * shape.slope * self.reach(at, &shape);
         !same
     }
 
@@ -464,6 +459,14 @@ impl ImplicitSurface {
                 }
             })
         })
+    }
+
+    /// Returns the length of which rounding is a fraction at a point: its distance from the origin, or the surface's size, or
+    /// its radius of curvature where the size is not known.
+    fn reach(&self, at: [f64; 3], shape: &LocalShape) -> f64 {
+        let sizes = [self.size, shape.radius()];
+        let size = sizes.into_iter().find(|size| size.is_finite());
+        norm(at).max(size.unwrap_or(0.0))
     }
 
     /// Moves a point onto the surface along the field's gradient: Newton's method, each step shortened until the field's
@@ -488,11 +491,7 @@ impl ImplicitSurface {
             }
             let shape = piece.shape(at).ok_or(PlaceError::NoGradient)?;
             let step = shape.distance.abs();
-            let reach = norm(at).max(if self.size.is_finite() {
-                self.size
-            } else {
-                0.0
-            });
+            let reach = self.reach(at, &shape).max(norm(near));
             let value = (shape.distance * shape.slope).abs();
             // Newton's last steps shrink below rounding, or fluctuate within it.
             if step <= ON_SURFACE * reach

@@ -193,9 +193,8 @@ fn one_way(
 
 /// Returns the options of a geodesic from one knot to the next, for a line with `left` evaluations.
 fn options(left: usize) -> Options {
-    let options = Options::default();
     Options {
-        max_evaluations: options.max_evaluations.min(left),
-        ..options
+        max_evaluations: left,
+        ..Options::default()
     }
 }

@@ -15,11 +15,14 @@ use expr::{Graph, Input, NodeId};
 use geodesic::implicit::{ImplicitSurface, SpaceTraceError};
 use geodesic::intrinsic::MetricSurface;
 use geodesic::measure::{self, MeasureError};
-use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::surface::{ParametricSurface, Surface, affordable_evaluations};
 use geodesic::trace::{Options, Status, trace};
 
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::range::Range;
+
+/// The maximum number of evaluations of the surface for one point of a geodesic: some 80 ms.
+pub const MAX_VALUE_EVALUATIONS: u64 = 200_000;
 
 /// The part of a surface or a metric on which its geodesics depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -356,6 +359,7 @@ fn follow(
     let direction = initial.direction.map(|x| sign * x);
     let options = Options {
         tolerance: TOLERANCE,
+        max_evaluations: affordable_evaluations(surface, MAX_VALUE_EVALUATIONS) as usize,
         ..Options::default()
     };
     let end = trace(surface, initial.start, direction, length, &options)
@@ -382,6 +386,7 @@ fn follow_in_space(surface: &ImplicitSurface, inputs: &[f64]) -> Solution {
     let direction = [a, b, c].map(|x| sign * x);
     let options = Options {
         tolerance: TOLERANCE,
+        max_evaluations: MAX_VALUE_EVALUATIONS as usize,
         ..Options::default()
     };
     let end = surface.trace([x, y, z], direction, length, &options);

@@ -32,7 +32,8 @@ mod stated_picture;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
 pub use geodesic_value::{
-    GeodesicCache, GeodesicFault, GeodesicValue, Ground, ManifoldNodes, ValueKind,
+    GeodesicCache, GeodesicFault, GeodesicValue, Ground, MAX_VALUE_EVALUATIONS, ManifoldNodes,
+    ValueKind,
 };
 pub use initial_conditions::{InitialConditions, InitialConditionsError};
 pub use initial_conditions_evaluator::InitialConditionsEvaluator;

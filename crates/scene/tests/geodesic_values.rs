@@ -235,3 +235,29 @@ param L : [(g(1))_1, 9];
     let least = scene.params[0].ranges[0].min;
     assert!((least - 0.5f64.sqrt()).abs() < 1e-12, "{least}");
 }
+
+#[test]
+fn a_point_far_along_a_geodesic_is_as_exact_as_a_near_one() {
+    let compilation = compiled(
+        "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [-pi, pi], v : [-pi/2, pi/2];
+         geodesic g(t) : s = (3, 3) @ (0, 0), t : [0, 1];",
+    );
+    let params = initial(&compilation);
+    for t in [150.0_f64, 300.0, 600.0] {
+        let found = values(&compilation, &params, &format!("g({t})"));
+        let latitude = (t.sin() / 2f64.sqrt()).asin();
+        assert_close(&found[1..2], &[latitude], 1e-9);
+    }
+}
+
+#[test]
+fn a_geodesic_on_a_solid_may_begin_at_the_origin() {
+    let compilation = compiled(
+        "solid ball(x, y, z) = x^2 + y^2 + (z - sqrt 2)^2 - 2;
+         geodesic c(t) : ball = (1, 0, 0) @ (0, 0, 0), t : [0, 2];",
+    );
+    let r = 2f64.sqrt();
+    let found = values(&compilation, &initial(&compilation), "c(1)");
+    let expected = [r * (1.0 / r).sin(), 0.0, r * (1.0 - (1.0 / r).cos())];
+    assert_close(&found, &expected, 1e-10);
+}
