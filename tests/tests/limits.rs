@@ -379,6 +379,13 @@ fn geodesics() -> Vec<Limit> {
             "`--steps`, up to this",
         ),
         limit(
+            "evaluations of the surface for one point of a geodesic, as `g(3)`; fewer if an evaluation is expensive",
+            grouped(scene::MAX_VALUE_EVALUATIONS),
+            "run time: a program may have many",
+            "it exceeds the limit of steps",
+            "`geotrace trace` follows one geodesic farther",
+        ),
+        limit(
             "evaluations of the surface for one geodesic that is drawn as a line",
             grouped(geometry::MAX_LINE_EVALUATIONS),
             "run time: about a second",
