@@ -491,7 +491,7 @@ impl ImplicitSurface {
             }
             let shape = piece.shape(at).ok_or(PlaceError::NoGradient)?;
             let step = shape.distance.abs();
-            let reach = self.reach(at, &shape).max(norm(near));
+            let reach = self.reach(at, &shape);
             let value = (shape.distance * shape.slope).abs();
             // Newton's last steps shrink below rounding, or fluctuate within it.
             if step <= ON_SURFACE * reach

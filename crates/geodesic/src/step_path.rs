@@ -9,8 +9,8 @@ use crate::interpolate::{quintic, value};
 
 /// Parts of a step that are shorter than this fraction of it are not halved in the search for a border.
 const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
-/// The maximum number of parts of a step that are halved in the search for a border.
-const MOST_HALVED: u32 = 64;
+/// The maximum number of parts of a step that are halved in the search for a border, besides the step itself.
+const MOST_HALVED: u32 = 63;
 
 /// The position, the velocity and the acceleration at an end of a step.
 pub(crate) type StepEnd<const D: usize> = [[f64; D]; 3];
@@ -39,11 +39,17 @@ impl<const D: usize> StepPath<D> {
         stays: &dyn Fn([Interval; D]) -> bool,
         is_beyond: &dyn Fn([f64; D]) -> bool,
     ) -> Option<f64> {
+        let stays_in = |part: [f64; 2]| stays(self.0.each_ref().map(|path| range(path, part)));
+        // Most steps stay as a whole: no list is needed.
+        if stays_in([0.0, 1.0]) {
+            return None;
+        }
         // Parts of the step, the first at the end of the list.
-        let mut parts = vec![[0.0, 1.0]];
+        let mut parts = Vec::with_capacity(32);
+        parts.extend([[0.5, 1.0], [0.0, 0.5]]);
         let mut left = MOST_HALVED;
         while let Some([from, to]) = parts.pop() {
-            if stays(self.0.each_ref().map(|path| range(path, [from, to]))) {
+            if stays_in([from, to]) {
                 continue;
             }
             let middle = 0.5 * (from + to);

@@ -202,40 +202,45 @@ impl ChartLayout {
     /// Returns true if all points of a box that may reach beyond sides that wrap have one smooth piece; false where that
     /// cannot be decided. Points beyond edges do not count.
     pub(crate) fn is_one_piece(&self, surface: &dyn Surface, within: [Interval; 2]) -> bool {
+        if self.contains(within.map(Interval::lower)) && self.contains(within.map(Interval::upper))
+        {
+            return surface.is_one_piece(within);
+        }
         // Each part of the box between two sides lies in one copy of the domain.
-        let parts = |axis: usize| {
-            let [low, high] = self.domain[axis];
-            let sides = self.sides.of(axis).map(|side| side == Side::Edge);
-            let (from, to) = (within[axis].lower(), within[axis].upper());
-            let from = if sides[0] { from.max(low) } else { from };
-            let to = if sides[1] { to.min(high) } else { to };
-            let mut ends = vec![from];
-            ends.extend(
-                [low, high]
-                    .into_iter()
-                    .filter(|end| from < *end && *end < to),
-            );
-            ends.push(to);
-            ends
-        };
-        let [us, vs] = [parts(0), parts(1)];
+        let [us, vs] = [0, 1].map(|axis| self.parts(axis, within[axis]));
         us.windows(2).all(|u| {
             vs.windows(2).all(|v| {
                 let part = [[u[0], u[1]], [v[0], v[1]]];
-                let mut middle = part.map(|[from, to]| 0.5 * (from + to));
-                let half = part.map(|[from, to]| 0.5 * (to - from));
-                self.bring_back(&mut middle);
-                let back = |k: usize| {
-                    let rounding = 8.0 * f64::EPSILON * (middle[k].abs() + part[k][1].abs());
-                    let reach = half[k] + rounding;
-                    let [low, high] = self.domain[k];
-                    Interval::new(
-                        (middle[k] - reach).max(low.min(middle[k])),
-                        (middle[k] + reach).min(high.max(middle[k])),
-                    )
-                };
-                surface.is_one_piece([back(0), back(1)])
+                surface.is_one_piece(self.part_in_domain(part))
             })
+        })
+    }
+
+    /// Returns the ends of the parts into which the sides of an axis divide an interval, without what is beyond edges.
+    fn parts(&self, axis: usize, within: Interval) -> Vec<f64> {
+        let [low, high] = self.domain[axis];
+        let [ends_low, ends_high] = self.sides.of(axis).map(|side| side == Side::Edge);
+        let (from, to) = (within.lower(), within.upper());
+        let from = if ends_low { from.max(low) } else { from };
+        let to = if ends_high { to.min(high) } else { to };
+        let inside = [low, high]
+            .into_iter()
+            .filter(|end| from < *end && *end < to);
+        [from].into_iter().chain(inside).chain([to]).collect()
+    }
+
+    /// Brings a box in one copy of the domain back into the domain.
+    fn part_in_domain(&self, part: [[f64; 2]; 2]) -> [Interval; 2] {
+        let mut middle = part.map(|[from, to]| 0.5 * (from + to));
+        self.bring_back(&mut middle);
+        [0, 1].map(|k| {
+            let ([from, to], [low, high]) = (part[k], self.domain[k]);
+            let rounding = 8.0 * f64::EPSILON * (middle[k].abs() + from.abs() + to.abs());
+            let reach = 0.5 * (to - from) + rounding;
+            Interval::new(
+                (middle[k] - reach).max(low.min(middle[k])),
+                (middle[k] + reach).min(high.max(middle[k])),
+            )
         })
     }
 
