@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! frame ──start.rs──▶ active rays ──driver.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
-//! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs, creases.rs)──▶ sectors
+//! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs, creases.rs, missed.rs)──▶ sectors
 //! points of the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
@@ -20,6 +20,7 @@ mod error_indicator;
 mod event;
 mod group;
 mod lanes;
+mod missed;
 mod polar;
 pub(crate) mod ray;
 mod refine;

@@ -739,3 +739,52 @@ fn creases_are_where_single_geodesics_meet_them() {
         }
     }
 }
+
+/// The plane with a hole of this radius about (0.5, 0.1).
+fn plane_with_hole(radius: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.1, m.v));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let square = m.add(xx, yy);
+    let outside = m.plus(-radius * radius, square);
+    let root = m.f(Unary::Sqrt, outside);
+    let one = m.g.div(root, root);
+    let z = m.plus(-1.0, one);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-1.0, 1.0]; 2])
+}
+
+/// A plane with a smooth bump of this width and height about (0.5, 0.13).
+fn plane_with_bump(width: f64, height: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let square = m.add(xx, yy);
+    let exponent = m.scale(-1.0 / (width * width), square);
+    let exp = m.f(Unary::Exp, exponent);
+    let z = m.scale(height, exp);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+#[test]
+fn holes_and_bumps_between_two_rays_are_seen() {
+    for uv in [[0.0, 0.0], [-0.3, 0.4], [0.2, -0.5]] {
+        let surface = plane_with_hole(0.08);
+        let frame = Frame::new(&surface, uv, 0.0, 0.9).expect("a frame");
+        let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
+        let seen = compare(&surface, &frame, SIZE, &fan, 4000);
+        let told = format!("{uv:?}: {seen:?}, {:?}", fan.work());
+        // At the border of its shadow a few pixels may differ by more than one.
+        assert!(seen.ended > 100 && seen.wrong_status < 10, "{told}");
+        assert!(seen.max < 0.1, "{told}");
+        for width in [0.1, 0.05, 0.03] {
+            let surface = plane_with_bump(width, 0.1);
+            let frame = Frame::new(&surface, uv, 0.0, 0.9).expect("a frame");
+            let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
+            let seen = compare(&surface, &frame, SIZE, &fan, 4000);
+            let told = format!("{width}, {uv:?}: {seen:?}, {:?}", fan.work());
+            assert!(seen.max < 0.3 && seen.wrong_status == 0, "{told}");
+        }
+    }
+}

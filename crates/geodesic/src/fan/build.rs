@@ -1,7 +1,7 @@
 //! Building a fan. In: a start and a tolerance. Out: rays and the sectors between them.
 //!
-//! The first rays determine the accuracy that steps need; `refine.rs` chooses the rays between them, and `verify.rs`
-//! estimates the error of the whole.
+//! The first rays determine the accuracy that steps need; `refine.rs` chooses the rays between them, `missed.rs` looks for
+//! what is beside all of them, and `verify.rs` estimates the error of the whole.
 
 use std::f64::consts::TAU;
 
@@ -86,6 +86,8 @@ pub(super) struct Builder<'a> {
     pub(super) rays: Vec<Ray>,
     pub(super) work: GeodesicWork,
     pub(super) exhausted: bool,
+    /// The evaluations spent on the search for what rays miss.
+    pub(super) examined: u64,
     /// A ray's error in pixels per unit of its estimated error.
     pub(super) factor: f64,
 }
@@ -116,6 +118,7 @@ pub(super) fn build(
             jacobi_weight: 0.05,
             shortest: (1e-2 * start.pixel).min(1e-4 * size),
             first: start.reach.min(size) * 0.03,
+            longest: f64::INFINITY,
             limit: ONE_RAY,
             reach: start.reach,
             beyond: (BEYOND * start.pixel).min(0.25 * start.reach),
@@ -123,10 +126,23 @@ pub(super) fn build(
         rays: Vec::new(),
         work: GeodesicWork::default(),
         exhausted: false,
+        examined: 0,
         factor: 0.0,
     };
+    let plan = builder.plan;
     let mut sectors = builder.base();
     builder.refine(&mut sectors);
+    if builder.misses_any(&sectors) {
+        // Rays have leapt over it, or passed it by: once more, with steps that meet what is as large.
+        builder.rays.clear();
+        builder.plan = RayPlan {
+            longest: builder.lattice_step(),
+            ..plan
+        };
+        sectors = builder.base();
+        builder.refine(&mut sectors);
+        builder.find_missed(&mut sectors);
+    }
     let estimate = builder.verify(&mut sectors);
     let mut all = Sectors {
         rays: builder.rays,
@@ -151,6 +167,7 @@ pub(super) fn build(
         (all.follow_within, all.pixel_limit) = unknown.affordable(each, start, left);
     }
     all.work.rays = all.rays.len() as u64;
+    all.work.evaluations += builder.examined;
     all
 }
 

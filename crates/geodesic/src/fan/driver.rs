@@ -26,6 +26,8 @@ pub(super) struct RayPlan {
     pub(super) shortest: f64,
     /// The first step.
     pub(super) first: f64,
+    /// The longest step.
+    pub(super) longest: f64,
     /// The maximum number of evaluations for one ray.
     pub(super) limit: u64,
     /// The arc length that is divided into the ranges of radius.
@@ -96,7 +98,7 @@ fn drive(surface: &dyn Surface, layout: &ChartLayout, plan: &RayPlan, rays: &mut
             .zip(group.active)
             .filter(|(_, active)| *active)
             .fold(0.0_f64, |most, (ray, _)| most.max(ray.way(plan.beyond)));
-        let tried = step_to_try(h, remaining);
+        let tried = step_to_try(h.min(plan.longest), remaining);
         let next = group.attempt(rays, tried);
         h = if next >= tried {
             step_after(h, tried, next)
