@@ -47,7 +47,7 @@ pub fn write_whole_with<E: From<io::Error>>(
 /// its attributes.
 ///
 /// # Errors
-/// The system's; an existing file is unchanged.
+/// The system's; an existing file is unchanged. A device or a pipe is refused.
 pub fn write_whole_created(
     path: &Path,
     create: impl FnMut(&Path) -> io::Result<File>,
@@ -66,9 +66,6 @@ pub(crate) fn write_whole_at<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<(), E> {
-    if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
-        return Err(io::Error::other("it is not a file").into());
-    }
     Ok(Unnamed::made(path, create_new, |_, temporary| write(temporary))?.persist()?)
 }
 
@@ -156,22 +153,21 @@ impl FileSeries {
     /// Writes a file that will be called `path`.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's. A directory, a device or a pipe is refused.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let file = Unnamed::new(path, |out| out.write_all(bytes))?;
         self.files.push(file);
         Ok(())
     }
 
-    /// Gives all files their names, unless one of the names is that of a directory.
+    /// Gives all files their names, unless one of the names is that of a directory, a device or a pipe.
     ///
     /// # Errors
     /// The file that could not be renamed, and why. If that is only detected while renaming, the files before it keep
     /// their names; those after it are removed.
     pub fn finish(self) -> Result<(), (PathBuf, io::Error)> {
-        let mut targets = self.files.iter().map(|file| &file.target);
-        if let Some(target) = targets.find(|target| target.is_dir()) {
-            return Err((target.clone(), ErrorKind::IsADirectory.into()));
+        for file in &self.files {
+            check_replaceable(&file.target).map_err(|error| (file.target.clone(), error))?;
         }
         for file in self.files {
             let target = file.target.clone();
@@ -230,13 +226,15 @@ impl Unnamed {
         })
     }
 
-    /// Returns a file that `create` creates and `write` fills. `write` receives the file and its path.
+    /// Returns a file that `create` creates and `write` fills. `write` receives the file and its path. Only a file can
+    /// be replaced by it.
     fn made<E: From<io::Error>>(
         path: &Path,
         create: impl FnMut(&Path) -> io::Result<File>,
         write: impl FnOnce(&File, &Path) -> Result<(), E>,
     ) -> Result<Self, E> {
         let target = resolved(path);
+        check_replaceable(&target)?;
         let (file, temporary) = {
             // Created and registered atomically, as seen by other threads.
             let mut all = temporaries();
@@ -264,10 +262,20 @@ impl Unnamed {
         };
         let mut all = temporaries();
         all.remove::<Path>(temporary.as_ref());
+        check_replaceable(&self.target)?;
         // `tempfile` would drop the attributes that the file has on Windows.
         fs::rename(&temporary, &self.target)?;
         temporary.disable_cleanup(true);
         Ok(())
+    }
+}
+
+/// Refuses a target that is not a file, which a rename would replace all the same.
+fn check_replaceable(target: &Path) -> io::Result<()> {
+    match fs::metadata(target) {
+        Ok(existing) if existing.is_dir() => Err(ErrorKind::IsADirectory.into()),
+        Ok(existing) if !existing.is_file() => Err(io::Error::other("it is not a file")),
+        _ => Ok(()),
     }
 }
 

@@ -81,15 +81,49 @@ fn a_series_with_a_directory_in_its_way_replaces_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |number: u8| folder.path().join(format!("{number}.png"));
     fs::write(path(1), b"old").expect("writing");
-    fs::create_dir(path(2)).expect("a folder");
     let mut series = FileSeries::default();
     for number in 1..=3 {
         series.add(&path(number), &[number]).expect("writing");
     }
+    fs::create_dir(path(2)).expect("a folder");
     let (target, error) = series.finish().expect_err("a directory");
     assert_eq!(target.file_name(), path(2).file_name());
     assert_eq!(error.kind(), ErrorKind::IsADirectory);
     assert_eq!(fs::read(path(1)).expect("reading"), b"old");
+    assert_eq!(names(folder.path()), ["1.png", "2.png"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_series_replaces_no_pipe_and_no_device() {
+    use std::os::unix::fs::{FileTypeExt as _, symlink};
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let (pipe, link) = (folder.path().join("1.png"), folder.path().join("2.png"));
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.expect("mkfifo runs").success());
+    symlink(&pipe, &link).expect("a link");
+    let is_pipe = || {
+        fs::metadata(&link)
+            .expect("it is there")
+            .file_type()
+            .is_fifo()
+    };
+    let mut series = FileSeries::default();
+    for path in [&pipe, &link] {
+        let error = series.add(path, b"new").expect_err("a pipe");
+        assert_eq!(error.to_string(), "it is not a file");
+        let create = |path: &Path| File::create_new(path);
+        write_whole_created(path, create, b"new").expect_err("a pipe");
+    }
+    // It may come while the pictures are drawn.
+    let late = folder.path().join("3.png");
+    series.add(&late, b"new").expect("writing");
+    fs::rename(&pipe, &late).expect("renamed");
+    let (target, _) = series.finish().expect_err("a pipe");
+    assert_eq!(target.file_name(), late.file_name());
+    fs::rename(&late, &pipe).expect("renamed");
+    assert!(is_pipe());
     assert_eq!(names(folder.path()), ["1.png", "2.png"]);
 }
 
