@@ -160,7 +160,8 @@ impl FileSeries {
         Ok(())
     }
 
-    /// Gives all files their names, unless one of the names is that of a directory, a device or a pipe.
+    /// Gives all files their names, unless one of the names is that of a directory, a device or a pipe. An interruption
+    /// comes before the first or after the last.
     ///
     /// # Errors
     /// The file that could not be renamed, and why. If that is only detected while renaming, the files before it keep
@@ -169,11 +170,15 @@ impl FileSeries {
         for file in &self.files {
             check_replaceable(&file.target).map_err(|error| (file.target.clone(), error))?;
         }
-        for file in self.files {
+        let mut files = self.files.into_iter();
+        let mut all = temporaries();
+        let renamed = files.try_for_each(|file| {
             let target = file.target.clone();
-            file.persist().map_err(|error| (target, error))?;
-        }
-        Ok(())
+            file.persist_with(&mut all).map_err(|error| (target, error))
+        });
+        // The files that are left lock it to remove themselves.
+        drop(all);
+        renamed
     }
 }
 
@@ -256,11 +261,15 @@ impl Unnamed {
         Ok(unnamed)
     }
 
-    fn persist(mut self) -> io::Result<()> {
+    fn persist(self) -> io::Result<()> {
+        self.persist_with(&mut temporaries())
+    }
+
+    /// Gives the file its name. `all` are [`TEMPORARIES`].
+    fn persist_with(mut self, all: &mut BTreeSet<PathBuf>) -> io::Result<()> {
         let Some(mut temporary) = self.temporary.take() else {
             return Ok(());
         };
-        let mut all = temporaries();
         all.remove::<Path>(temporary.as_ref());
         check_replaceable(&self.target)?;
         // `tempfile` would drop the attributes that the file has on Windows.

@@ -1,5 +1,7 @@
 //! Files are whole or absent, and no temporary file stays.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::*;
 
 fn names(folder: &Path) -> Vec<String> {
@@ -91,6 +93,32 @@ fn a_series_with_a_directory_in_its_way_replaces_nothing() {
     assert_eq!(error.kind(), ErrorKind::IsADirectory);
     assert_eq!(fs::read(path(1)).expect("reading"), b"old");
     assert_eq!(names(folder.path()), ["1.png", "2.png"]);
+}
+
+#[test]
+fn an_interruption_finds_no_name_of_a_series_or_all() {
+    const FILES: usize = 300;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |number: usize| folder.path().join(format!("{number}.png"));
+    let mut series = FileSeries::default();
+    for number in 0..FILES {
+        series.add(&path(number), b"new").expect("writing");
+    }
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let interruption = scope.spawn(|| {
+            while !path(0).exists() && !is_over.load(Ordering::Relaxed) {
+                std::hint::spin_loop();
+            }
+            // As `abandon_all` does.
+            let _all = temporaries();
+            (0..FILES).filter(|&number| path(number).exists()).count()
+        });
+        series.finish().expect("renaming");
+        is_over.store(true, Ordering::Relaxed);
+        let found = interruption.join().expect("it ends");
+        assert_eq!(found, FILES);
+    });
 }
 
 #[cfg(unix)]
