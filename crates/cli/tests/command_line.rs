@@ -680,3 +680,28 @@ fn a_colour_that_is_not_shown_is_reported() {
         assert_eq!(run.stderr.contains(&note), is_noted, "{}", run.stderr);
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_path_of_standard_output_adds_to_what_the_file_has() {
+    let folder = folder(&[("a.gtr", SPHERE), ("out.obj", "# before\n")]);
+    let script = "{ \"$0\" export a.gtr -o /dev/stdout --format obj; echo '# after'; } >> out.obj";
+    let ended = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_geotrace")])
+        .current_dir(folder.path())
+        .output();
+    let run = Run::of(ended.expect("sh runs"));
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let text = std::fs::read_to_string(folder.path().join("out.obj")).expect("a file");
+    assert!(text.starts_with("# before\n"), "{text:.100}");
+    assert!(text.contains("\nv ") && text.ends_with("\n# after\n"));
+    let script = script.replace(">>", ">");
+    let ended = Command::new("sh")
+        .args(["-c", &script, env!("CARGO_BIN_EXE_geotrace")])
+        .current_dir(folder.path())
+        .output();
+    assert_eq!(Run::of(ended.expect("sh runs")).status, 0);
+    let again = std::fs::read_to_string(folder.path().join("out.obj")).expect("a file");
+    assert_eq!(format!("# before\n{again}"), text);
+    assert_eq!(names(&folder), ["a.gtr", "out.obj"]);
+}

@@ -2,10 +2,11 @@
 //!
 //! A temporary file beside the target (so that renaming stays within one file system) replaces the target. `tempfile`
 //! chooses its name and removes it on failure. This module adds the following: a symbolic link keeps pointing to its
-//! file, the permissions of a replaced file are preserved, a device or a pipe is written to instead of replaced, and
-//! several files appear together.
+//! file, the permissions of a replaced file are preserved, a device, a pipe or an open file such as `/dev/stdout` is
+//! written to instead of replaced, and several files appear together.
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -22,7 +23,7 @@ const MOST_LINKS: u32 = 40;
 /// Writes a file, completely or not at all.
 ///
 /// # Errors
-/// The system's; an existing file is unchanged, unless it is a device or a pipe.
+/// The system's; an existing file is unchanged, unless it is a stream: a device, a pipe or an open file.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole_with(path, |out| out.write_all(bytes))
 }
@@ -30,15 +31,16 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes a file piece by piece, buffered, completely or not at all.
 ///
 /// # Errors
-/// The system's, and those of `write`; an existing file is unchanged, unless it is a device or a pipe.
+/// The system's, and those of `write`; an existing file is unchanged, unless it is a stream.
 pub fn write_whole_with<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
 ) -> Result<(), E> {
-    if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
-        let mut device = BufWriter::new(OpenOptions::new().write(true).open(path)?);
-        write(&mut device)?;
-        return Ok(device.flush()?);
+    let target = resolved(path);
+    if is_stream(&target) {
+        let mut stream = BufWriter::new(open_stream(&target)?);
+        write(&mut stream)?;
+        return Ok(stream.flush()?);
     }
     Ok(Unnamed::new(path, write)?.persist()?)
 }
@@ -47,7 +49,7 @@ pub fn write_whole_with<E: From<io::Error>>(
 /// its attributes.
 ///
 /// # Errors
-/// The system's; an existing file is unchanged. A device or a pipe is refused.
+/// The system's; an existing file is unchanged. A stream is refused.
 pub fn write_whole_created(
     path: &Path,
     create: impl FnMut(&Path) -> io::Result<File>,
@@ -61,7 +63,7 @@ pub fn write_whole_created(
 /// not at all.
 ///
 /// # Errors
-/// The system's, and those of `write`; an existing file is unchanged. A device or a pipe is refused.
+/// The system's, and those of `write`; an existing file is unchanged. A stream is refused.
 pub(crate) fn write_whole_at<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&Path) -> Result<(), E>,
@@ -116,6 +118,15 @@ pub enum TargetError {
 /// # Errors
 /// See [`TargetError`].
 pub fn check_target(path: &Path) -> Result<(), TargetError> {
+    let target = resolved(path);
+    if is_descriptor(&target) {
+        // The permissions of its entry are those with which it was opened.
+        return match fs::symlink_metadata(&target) {
+            Ok(entry) if entry.permissions().readonly() => Err(TargetError::IsReadOnly),
+            Ok(_) => Ok(()),
+            Err(error) => Err(TargetError::System(error)),
+        };
+    }
     match fs::metadata(path) {
         Ok(existing) if existing.is_dir() => return Err(TargetError::IsDirectory),
         Ok(existing) if !existing.is_file() => return Ok(()),
@@ -125,7 +136,6 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
             if path.file_name().is_none() {
                 return Err(TargetError::NamesNoFile);
             }
-            let target = resolved(path);
             let folder = folder_of(&target);
             match fs::metadata(folder) {
                 Ok(above) if above.is_dir() => {}
@@ -135,7 +145,6 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
         }
         Err(error) => return Err(TargetError::System(error)),
     }
-    let target = resolved(path);
     // An interruption waits until the file is removed.
     let _all = temporaries();
     temporary_beside(&target, create_new)
@@ -153,15 +162,15 @@ impl FileSeries {
     /// Writes a file that will be called `path`.
     ///
     /// # Errors
-    /// The system's. A directory, a device or a pipe is refused.
+    /// The system's. A directory or a stream is refused.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let file = Unnamed::new(path, |out| out.write_all(bytes))?;
         self.files.push(file);
         Ok(())
     }
 
-    /// Gives all files their names, unless one of the names is that of a directory, a device or a pipe. An interruption
-    /// comes before the first or after the last.
+    /// Gives all files their names, unless one of the names is that of a directory or a stream. An interruption comes
+    /// before the first or after the last.
     ///
     /// # Errors
     /// The file that could not be renamed, and why. If that is only detected while renaming, the files before it keep
@@ -281,26 +290,56 @@ impl Unnamed {
 
 /// Refuses a target that is not a file, which a rename would replace all the same.
 fn check_replaceable(target: &Path) -> io::Result<()> {
-    match fs::metadata(target) {
-        Ok(existing) if existing.is_dir() => Err(ErrorKind::IsADirectory.into()),
-        Ok(existing) if !existing.is_file() => Err(io::Error::other("it is not a file")),
-        _ => Ok(()),
+    if fs::metadata(target).is_ok_and(|existing| existing.is_dir()) {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    match is_stream(target) {
+        true => Err(io::Error::other("it is not a file")),
+        false => Ok(()),
     }
 }
 
-/// Returns the path with symbolic links resolved, also those to a file that does not exist yet.
+/// Returns true for a resolved path to which bytes are written in order: a device, a pipe or an open file.
+fn is_stream(target: &Path) -> bool {
+    is_descriptor(target) || fs::metadata(target).is_ok_and(|existing| !existing.is_file())
+}
+
+/// Returns true for the entry of an open file in the system's list of a process. What it links to is a name for people:
+/// that of a file which may be gone.
+fn is_descriptor(path: &Path) -> bool {
+    let folder = fs::canonicalize(folder_of(path)).unwrap_or_default();
+    folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
+}
+
+/// Opens a stream. What an open file holds is kept.
+fn open_stream(target: &Path) -> io::Result<Box<dyn Write>> {
+    let is_descriptor = is_descriptor(target);
+    let is_own = || fs::canonicalize(folder_of(target)).ok() == fs::canonicalize("/dev/fd").ok();
+    // Opened anew, they would have positions of their own, and other programs would write over these bytes.
+    match target.file_name().and_then(OsStr::to_str) {
+        Some("1") if is_descriptor && is_own() => return Ok(Box::new(io::stdout())),
+        Some("2") if is_descriptor && is_own() => return Ok(Box::new(io::stderr())),
+        _ => {}
+    }
+    let mut options = OpenOptions::new();
+    options.write(true).append(is_descriptor);
+    Ok(Box::new(options.open(target)?))
+}
+
+/// Returns the path with symbolic links resolved, also those to a file that does not exist yet, but not the entry of an
+/// open file.
 fn resolved(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
-        if let Ok(whole) = fs::canonicalize(&path) {
-            return whole;
+        if is_descriptor(&path) {
+            return path;
         }
         let Ok(target) = fs::read_link(&path) else {
             break;
         };
         path = folder_of(&path).join(target);
     }
-    path
+    fs::canonicalize(&path).unwrap_or(path)
 }
 
 fn folder_of(path: &Path) -> &Path {

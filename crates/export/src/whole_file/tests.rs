@@ -208,6 +208,35 @@ fn a_device_is_written_to_and_not_replaced() {
     assert!(kind.is_char_device());
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn an_open_file_is_written_to_and_not_replaced() {
+    use std::os::fd::AsRawFd as _;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.png");
+    let link = folder.path().join("link.png");
+    let open = File::create_new(&path).expect("a file");
+    let entry = format!("/proc/self/fd/{}", open.as_raw_fd());
+    std::os::unix::fs::symlink(&entry, &link).expect("a link");
+    for (path, text) in [(Path::new(&entry), "first, "), (&link, "second")] {
+        check_target(path).expect("a target");
+        write_whole(path, text.as_bytes()).expect("writing");
+    }
+    assert_eq!(fs::read(&path).expect("reading"), b"first, second");
+    // Without a name it is still open.
+    let reader = File::open(&path).expect("a file");
+    fs::remove_file(&path).expect("removed");
+    write_whole(Path::new(&link), b", third").expect("writing");
+    let text = io::read_to_string(&reader).expect("reading");
+    assert_eq!(text, "first, second, third");
+    assert_eq!(names(folder.path()), ["link.png"]);
+    let mut series = FileSeries::default();
+    series.add(&link, b"new").expect_err("an open file");
+    let read_only = format!("/proc/self/fd/{}", reader.as_raw_fd());
+    check_target(Path::new(&read_only)).expect_err("a file that is read");
+}
+
 #[test]
 fn system_errors_read_as_a_phrase() {
     let error = "No such file or directory (os error 2)";
