@@ -1,6 +1,6 @@
 //! The signals that end the program: partly written files are removed first; then the program ends as it would by
-//! default. A command may request to be notified of the first signal instead, to keep its results so far; so does the
-//! window, whose text would be lost.
+//! default. A command may request to be notified of the first signal instead, to keep its results so far; so do the
+//! window, whose text would be lost, and the language server, whose windows would stay.
 
 #[cfg(unix)]
 use std::sync::Arc;
@@ -22,10 +22,6 @@ const GRACE: Duration = Duration::from_secs(3);
 
 /// Makes the first signal call `ask`. If that returns true, the program is ended only if it is still running a little
 /// later.
-#[cfg_attr(
-    not(feature = "window"),
-    expect(dead_code, reason = "only a window is asked")
-)]
 pub(crate) fn ask_first(ask: impl Fn() -> bool + Send + 'static) {
     *ASK.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(ask));
 }

@@ -48,7 +48,7 @@ pub use turns::ServerByTurns;
 
 /// The end of a session.
 #[derive(Debug, Default)]
-pub(crate) struct End {
+pub struct End {
     asked_for: AtomicBool,
     now: tokio::sync::Notify,
 }
@@ -59,31 +59,31 @@ impl End {
         self.asked_for.store(true, Ordering::SeqCst);
     }
 
-    /// Ends the session at once, whatever is running.
-    pub(crate) fn now(&self) {
+    /// Ends the session at once, whatever is running; its windows are closed.
+    pub fn now(&self) {
         self.now.notify_one();
     }
 }
 
 /// Serves one editor on standard input and output until it leaves. Returns true if it left properly: by `shutdown`,
 /// then `exit` or the end of its input. Documents are in one of the `languages`. `window` is the program that is
-/// started for a preview; without one the editor gets a message.
+/// started for a preview; without one the editor gets a message. `end` ends the session before the editor leaves.
 ///
 /// # Errors
 /// If the system has no threads or timers left.
 #[cfg(not(target_family = "wasm"))]
-pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Result<bool> {
+pub fn run(
+    languages: Languages,
+    window: Option<WindowProgram>,
+    end: Arc<End>,
+) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_io()
         .enable_time()
         .build()?;
-    let clean = runtime.block_on(serve(
-        tokio::io::stdin(),
-        tokio::io::stdout(),
-        languages,
-        window,
-    ));
+    let (input, output) = (tokio::io::stdin(), tokio::io::stdout());
+    let clean = runtime.block_on(serve_until(end, input, output, languages, window));
     // A read of standard input may be blocked by an editor that sends nothing more.
     runtime.shutdown_background();
     Ok(clean)
@@ -100,7 +100,20 @@ where
     R: AsyncRead + Unpin + Send + 'static,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    let end = Arc::new(End::default());
+    serve_until(Arc::default(), input, output, languages, window).await
+}
+
+async fn serve_until<R, W>(
+    end: Arc<End>,
+    input: R,
+    output: W,
+    languages: Languages,
+    window: Option<WindowProgram>,
+) -> bool
+where
+    R: AsyncRead + Unpin + Send + 'static,
+    W: AsyncWrite + Unpin + Send + 'static,
+{
     let session = Arc::new(Mutex::new(Session::new(languages, window)));
     let (frames, output) = (frames::read(input), frames::write(output));
     let mut connection = tokio::spawn(start(frames, output, end.clone(), session.clone()));

@@ -198,6 +198,23 @@ async fn a_server_that_is_killed_leaves_its_windows() {
 }
 
 #[tokio::test]
+async fn a_server_that_is_told_to_end_closes_its_windows() {
+    let windows = Windows::new(FAKE, false).await;
+    for signal in ["-TERM", "-INT", "-HUP"] {
+        let mut editor = started(Place::Binary, "preview-signal", &windows).await;
+        let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+        let pid = editor.process().expect("a process").to_string();
+        let mut command = std::process::Command::new("kill");
+        let sent = command.args([signal, &pid]).status();
+        assert!(sent.expect("kill is there").success());
+        let close = json!({ "type": "close" });
+        assert_eq!(window.receive().await, Some(close), "{signal}");
+        assert_eq!(editor.end().await, 1);
+        window.exit(0).await;
+    }
+}
+
+#[tokio::test]
 async fn an_editor_that_says_goodbye_closes_its_windows_though_they_have_much_to_read() {
     for place in PLACES {
         let windows = Windows::new(FAKE, false).await;

@@ -1,11 +1,13 @@
 //! `geotrace lsp`: the language server on standard input and output.
 
 use std::ffi::OsString;
+use std::sync::Arc;
 
 use clap::Args;
-use server::WindowProgram;
+use server::{End, WindowProgram};
 
 use crate::failure::Failure;
+use crate::interruption;
 use crate::output;
 use crate::registry::Context;
 
@@ -24,7 +26,14 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let languages = context.languages()?;
-    let clean = server::run(languages, window(&arguments.window)).map_err(|error| {
+    // A signal would leave its windows open.
+    let end = Arc::<End>::default();
+    let asked = end.clone();
+    interruption::ask_first(move || {
+        asked.now();
+        true
+    });
+    let clean = server::run(languages, window(&arguments.window), end).map_err(|error| {
         let reason = output::reason(&error);
         Failure::Internal {
             message: format!("the language server cannot start: {reason}"),
