@@ -36,6 +36,14 @@ pub(crate) fn is_interrupted() -> bool {
     IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
+/// Ends the program with success, and does not wait for other threads.
+pub(crate) fn end_now() -> ! {
+    #[cfg(unix)]
+    signal_hook::low_level::exit(0);
+    #[cfg(not(unix))]
+    std::process::exit(0)
+}
+
 /// Handles a signal; `end` ends the program.
 #[cfg(any(unix, windows))]
 fn take(end: impl FnOnce()) {

@@ -1,6 +1,9 @@
 //! Animations of `geotrace render`: params and the geodesic camera that move, and the files that hold many pictures.
 
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::thread;
+use std::time::Duration;
 
 use clap::Args;
 use export::animation::{self, AnimationFormat, Clip, Course, ParamChange, Script, ScriptError};
@@ -21,6 +24,8 @@ use crate::progress::Progress;
 
 /// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
+/// The time after which an interruption is looked for again.
+const INTERRUPTION_POLL: Duration = Duration::from_millis(20);
 
 /// The options of animations.
 #[derive(Args, Debug)]
@@ -68,6 +73,14 @@ fn course(name: &str) -> Result<Course, String> {
     let found = all.find(|(_, words)| words.replace(' ', "-") == name);
     let missing = || "it is `once`, `loop` or `back-and-forth`".to_owned();
     found.map(|(course, _)| course).ok_or_else(missing)
+}
+
+/// A picture of an animation.
+#[derive(Debug)]
+struct DrawnPicture {
+    image: image::RgbaImage,
+    /// The description of the first one.
+    summary: Option<String>,
 }
 
 /// Draws the picture at a share of the animation, and reports its progress to the second argument.
@@ -233,7 +246,8 @@ impl Animation {
     }
 
     /// Draws all pictures, one after the other, and writes them, over none of the `inputs`; then prints `summary` of the
-    /// first picture and the file's name.
+    /// first picture and the file's name. Once an end has been asked for, which a command hears only if it keeps what is
+    /// done, the picture that is being drawn is not waited for: the program ends when those before it are written.
     ///
     /// # Errors
     /// Those of drawing and writing; no file is left then.
@@ -244,40 +258,87 @@ impl Animation {
         draw: &Draw<'_>,
         summary: impl Fn(&Picture, &str) -> String,
     ) -> Result<(), Failure> {
+        // Checked before anything is drawn.
+        for path in self.paths() {
+            OutputTarget::apart_from(&path, inputs)?;
+        }
         let progress = Progress::start("drawing");
-        let mut first_summary = None;
-        let mut drawn = 0;
-        // Nothing once an end has been asked for, which a command hears only if it keeps what is done.
-        let mut frame = |number: u32| -> Result<Option<image::RgbaImage>, Failure> {
-            let is_over = || number > 0 && interruption::is_interrupted();
-            if is_over() {
-                return Ok(None);
+        let (ask, asked) = mpsc::channel();
+        let (sender, pictures) = mpsc::channel();
+        thread::scope(|scope| {
+            let write = || -> Result<String, Failure> {
+                let is_over = interruption::is_interrupted;
+                let text = self.write_pictures(size, ask, pictures, is_over)?;
+                if is_over() {
+                    progress.clear();
+                    output::print_error(&text);
+                    interruption::end_now();
+                }
+                Ok(text)
+            };
+            let writing = thread::Builder::new().spawn_scoped(scope, write);
+            let writing = writing.map_err(|error| Failure::Internal {
+                message: format!("no thread can be started: {}", output::reason(&error)),
+            })?;
+            // Gone if drawing panics, so that the other thread ends.
+            let sender = sender;
+            for number in asked {
+                let done =
+                    |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
+                let drawn = draw(self.course.share(number, self.frames), &done);
+                let drawn = drawn.map(|picture| DrawnPicture {
+                    summary: (number == 0).then(|| summary(&picture, &self.name())),
+                    image: picture.image,
+                });
+                // Nobody receives it if the thread that writes has panicked.
+                let _ = sender.send(drawn);
             }
-            let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
-            let picture = draw(self.course.share(number, self.frames), &done);
-            // The picture that was being drawn is none, or coarser than those before it.
-            if is_over() {
-                return Ok(None);
-            }
-            let picture = picture?;
-            drawn += 1;
-            first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
-            Ok(Some(picture.image))
-        };
+            let written = writing.join();
+            let text = written.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            progress.clear();
+            output::print_error(&text);
+            Ok(())
+        })
+    }
+
+    /// Asks for the pictures by number and writes those that are received, until `is_over` once there is one. Returns
+    /// what is to be told about them.
+    fn write_pictures(
+        &self,
+        size: [u32; 2],
+        ask: Sender<u32>,
+        pictures: Receiver<Result<DrawnPicture, Failure>>,
+        is_over: impl Fn() -> bool,
+    ) -> Result<String, Failure> {
         let clip = Clip {
             frames: self.frames,
             size,
             rate: self.rate,
         };
-        // Checked before anything is drawn.
-        for path in self.paths() {
-            OutputTarget::apart_from(&path, inputs)?;
-        }
-        let written = self.file.write(&self.output, clip, &mut frame);
+        let mut text = String::new();
+        let mut drawn = 0;
+        let mut next = |number: u32| -> Result<Option<image::RgbaImage>, Failure> {
+            // If nobody draws, there is no picture.
+            let _ = ask.send(number);
+            let picture = loop {
+                match pictures.recv_timeout(INTERRUPTION_POLL) {
+                    // What was being drawn then is none, or coarser than those before it.
+                    _ if number > 0 && is_over() => return Ok(None),
+                    Ok(picture) => break picture?,
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => {
+                        let message = "the pictures were not drawn".to_owned();
+                        return Err(Failure::Internal { message });
+                    }
+                }
+            };
+            drawn += 1;
+            text.extend(picture.summary);
+            Ok(Some(picture.image))
+        };
+        let written = self.file.write(&self.output, clip, &mut next);
         written.map_err(|error| self.failure(error))?;
-        drop(progress);
         let frames = drawn;
-        let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
         text.push_str(&match self.file.seconds(Clip { frames, ..clip }) {
             Some(seconds) => format!("; {frames} pictures, {seconds:.2} s long\n"),
@@ -294,8 +355,7 @@ impl Animation {
                 "note: interrupted: {frames} of {wanted} pictures\n"
             ));
         }
-        output::print_error(&text);
-        Ok(())
+        Ok(text)
     }
 
     /// The name of the file, or of the first one.
@@ -346,5 +406,50 @@ pub(super) fn failure(error: ScriptError) -> Failure {
     match error {
         ScriptError::Set(error) => Failure::usage(format!("--animate: {error}")),
         ScriptError::Camera(error) => render_failure(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::sync::mpsc;
+
+    use super::{Animation, AnimationFile, AnimationFormat, Course, DrawnPicture};
+
+    #[test]
+    fn a_picture_that_is_never_done_is_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, file) in [
+            ("a.gif", AnimationFile::Film(AnimationFormat::Gif)),
+            ("a.png", AnimationFile::Series),
+        ] {
+            let animation = Animation {
+                output: folder.path().join(name),
+                file,
+                frames: 10,
+                rate: 25.0,
+                course: Course::Once,
+            };
+            let (ask, asked) = mpsc::channel();
+            let (sender, pictures) = mpsc::channel();
+            let picture = DrawnPicture {
+                image: image::RgbaImage::new(2, 2),
+                summary: Some("a picture\n".to_owned()),
+            };
+            sender.send(Ok(picture)).expect("it is received");
+            let polls = Cell::new(0);
+            let is_over = || polls.replace(polls.get() + 1) == 3;
+            let text = animation
+                .write_pictures([2, 2], ask, pictures, is_over)
+                .expect("written");
+            assert!(text.starts_with("a picture; "), "{text}");
+            assert!(text.ends_with("interrupted: 1 of 10 pictures\n"), "{text}");
+            assert_eq!(asked.iter().collect::<Vec<_>>(), [0, 1]);
+            // The second is never sent.
+            drop(sender);
+        }
+        assert!(folder.path().join("a.gif").exists());
+        assert!(folder.path().join("a-0001.png").exists());
+        assert!(!folder.path().join("a-0002.png").exists());
     }
 }

@@ -246,6 +246,10 @@ fn draw(
             false => render::render(views, &request, arguments.backend, progress),
         };
         let mut picture = drawn.map_err(failure)?;
+        if arguments.partial {
+            // There is something to keep.
+            interruption::ask_for_end_first();
+        }
         let notes = images.notes(program, &request).into_iter();
         picture.notes.extend(notes.map(Note::Remark));
         Ok(picture)
@@ -268,7 +272,9 @@ fn draw(
                 });
             }
         }
-        interruption::ask_for_end_first();
+        if is_refined {
+            interruption::ask_for_end_first();
+        }
     }
     if arguments.space.hidden_lines && print.is_none() {
         return Err(Failure::usage(
