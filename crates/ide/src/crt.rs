@@ -127,8 +127,8 @@ impl Program for CrtProgram {
 
     fn diagnostics_of_reading(&self) -> Option<Arc<[Diagnostic]>> {
         let analysis = self.analysis();
-        let is_at_hand = !analysis.is_run() || analysis.run.get().is_some();
-        (!is_at_hand).then(|| Arc::clone(&analysis.reading_diagnostics))
+        let reading = || Arc::clone(&analysis.reading_diagnostics);
+        analysis.awaits_run().then(reading)
     }
 
     fn scene(&self) -> ProgramScene {
@@ -280,6 +280,10 @@ impl Analysis for CrtAnalysis {
             all.into()
         };
         self.diagnostics.get_or_init(diagnostics).clone()
+    }
+
+    fn awaits_run(&self) -> bool {
+        self.is_run() && self.run.get().is_none()
     }
 
     features_of_modules! {}

@@ -214,6 +214,11 @@ pub trait Analysis: Debug + Send + Sync {
     /// Returns all errors, warnings and hints, sorted by position.
     fn diagnostics(&self) -> Arc<[Diagnostic]>;
 
+    /// Returns true if a run of the program is not at hand: diagnostics, hover and fixes run it, or wait for its end.
+    fn awaits_run(&self) -> bool {
+        false
+    }
+
     /// Returns the coloured tokens that touch a range, in the order of the text and without overlaps.
     fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
         Vec::new()

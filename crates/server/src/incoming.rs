@@ -39,6 +39,8 @@ pub(crate) use window::close_all;
 pub(crate) const CURSOR: &str = "geotrace/cursor";
 /// The maximum number of features that run at once: more would only share the processors, and each needs its memory.
 const MOST_AT_WORK: usize = 2;
+/// The maximum number of features that run a program at once: however long that takes, the others go on.
+const MOST_RUNS: usize = MOST_AT_WORK - 1;
 
 /// The server as the protocol sees it; cheap to clone.
 #[derive(Clone)]
@@ -49,6 +51,8 @@ pub(crate) struct Backend {
     publishing: Arc<tokio::sync::Mutex<()>>,
     /// The permits of features that run at once.
     places: Arc<Semaphore>,
+    /// The permits of those features that run a program.
+    runs: Arc<Semaphore>,
     end: Arc<crate::End>,
     /// The writer of messages that bypass the protocol.
     raw_sender: RawSender,
@@ -93,6 +97,7 @@ impl Backend {
             session,
             publishing: Arc::default(),
             places: Arc::new(Semaphore::new(MOST_AT_WORK)),
+            runs: Arc::new(Semaphore::new(MOST_RUNS)),
             end,
         }
     }

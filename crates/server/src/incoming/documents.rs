@@ -138,8 +138,7 @@ pub(super) async fn diagnostic(
     let found = match known {
         Some(found) => found,
         None => {
-            let snapshot = snapshot.clone();
-            let run = server.work(move || snapshot.analysis().diagnostics());
+            let run = server.run(snapshot.clone(), |it| it.analysis().diagnostics());
             let found = run.await?;
             // An edit has ended the run.
             let session = server.session();
@@ -203,9 +202,9 @@ impl Backend {
         let related = self.session().editor.related_places;
         tasks::spawn(async move {
             let place = uri.clone();
-            let run = server.work(move || {
+            let run = server.run(snapshot, move |snapshot| {
                 let found = snapshot.analysis().diagnostics();
-                to_lsp::diagnostics(&*snapshot, &place, &found, related)
+                to_lsp::diagnostics(snapshot, &place, &found, related)
             });
             let Ok(found) = run.await else {
                 return;

@@ -19,7 +19,7 @@ pub(super) async fn hover(
     let at = params.text_document_position_params;
     let markdown = server.session().editor.markdown;
     server
-        .ask(&at.text_document.uri, move |snapshot| {
+        .ask_run(&at.text_document.uri, move |snapshot| {
             to_lsp::hover(snapshot, snapshot.offset(place(at.position)), markdown)
         })
         .await

@@ -243,7 +243,7 @@ pub(super) async fn code_action(server: &Backend, params: lsp::CodeActionParams)
         return answer(&[(); 0]);
     }
     server
-        .answer(&uri.clone(), move |snapshot| {
+        .ask_run(&uri.clone(), move |snapshot| {
             let analysis = snapshot.analysis();
             let mut actions = Vec::new();
             if one {
@@ -266,9 +266,9 @@ pub(super) async fn code_action(server: &Backend, params: lsp::CodeActionParams)
             if converts && analysis.conversion().is_some() {
                 actions.push(to_lsp::conversion(&uri));
             }
-            actions
+            answer(&actions)
         })
-        .await
+        .await?
 }
 
 pub(super) async fn formatting(

@@ -38,6 +38,33 @@ impl Backend {
         self.ask(uri, |snapshot| answer(&feature(snapshot))).await?
     }
 
+    /// Runs a feature like [`Self::ask`]. It may run the program, and then waits until no other one is run.
+    pub(super) async fn ask_run<T: Send + 'static>(
+        &self,
+        uri: &lsp::Uri,
+        feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
+    ) -> Result<T> {
+        let snapshot = Snapshot::clone(&*self.snapshot(uri)?);
+        self.run(Arc::new(snapshot), feature).await
+    }
+
+    /// Runs a feature that may run the program of a snapshot, like [`Self::work`]. Of those, only a few run at once.
+    pub(super) async fn run<T: Send + 'static>(
+        &self,
+        snapshot: Arc<Snapshot>,
+        feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
+    ) -> Result<T> {
+        let run = match snapshot.analysis().awaits_run() {
+            true => self.runs.clone().acquire_owned().await.ok(),
+            false => None,
+        };
+        self.work(move || {
+            let _run = run;
+            feature(&snapshot)
+        })
+        .await
+    }
+
     /// Runs work on a worker when a permit is free. A request that is cancelled while it waits never starts.
     pub(super) async fn work<T: Send + 'static>(
         &self,
