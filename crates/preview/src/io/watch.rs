@@ -1,14 +1,14 @@
 //! A watched file: its text is sent to the window whenever it changes.
 //!
-//! The system watches the file's folder, since many editors write a new file and rename it. A burst of changes is read
-//! once, after a short delay; an endless burst is read periodically. A folder that disappears, as when a branch is
-//! switched, is looked for until it exists again.
+//! The system watches the file's folder, since many editors write a new file and rename it; for a symbolic link, also
+//! that of the file to which it leads. A burst of changes is read once, after a short delay; an endless burst is read
+//! periodically. A folder that disappears, as when a branch is switched, is looked for until it exists again.
 
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use export::whole_file::phrase;
@@ -24,12 +24,17 @@ const QUIET: Duration = Duration::from_millis(30);
 const LONGEST_BURST: Duration = Duration::from_millis(300);
 /// The time after which a missing file is looked for again.
 const ABSENCE: Duration = Duration::from_millis(500);
+/// The maximum number of links that are followed, as on Linux.
+const MOST_LINKS: usize = 40;
 
 /// Watches a file for as long as it lives.
 #[derive(Debug)]
 pub(crate) struct Watch {
     _watcher: Arc<Mutex<RecommendedWatcher>>,
 }
+
+/// The file's path, and those to which links lead from it.
+type Followed = Arc<Mutex<Vec<PathBuf>>>;
 
 /// A change that the system has reported.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -93,10 +98,10 @@ impl Watch {
     ) -> Result<Self, String> {
         let watched_path = path.to_owned();
         let path = std::path::absolute(path).map_err(|error| error.to_string())?;
-        let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
-        let name = path.file_name().unwrap_or_default().to_owned();
+        let paths = links(&path);
+        let followed: Followed = Arc::new(Mutex::new(paths.clone()));
         let (sender, changes) = channel();
-        let watched_folder = folder.clone();
+        let watched = followed.clone();
         let handler = move |event: notify::Result<notify::Event>| {
             let Ok(event) = event else {
                 // A watcher reports lost events by an error: check, to be sure.
@@ -106,12 +111,15 @@ impl Watch {
             if event.kind.is_access() {
                 return;
             }
+            let followed = lock(&watched);
+            let is_folder = |it: &PathBuf| followed.iter().any(|path| folder(path) == it);
             // Some systems ignore the case of names.
             let is_file = |it: &PathBuf| {
+                let mut names = followed.iter().filter_map(|path| path.file_name());
                 it.file_name()
-                    .is_some_and(|it| it.eq_ignore_ascii_case(&name))
+                    .is_some_and(|it| names.any(|name| it.eq_ignore_ascii_case(name)))
             };
-            if event.paths.contains(&watched_folder) {
+            if event.paths.iter().any(is_folder) {
                 let _ = sender.send(FolderEvent::Folder);
             } else if event.paths.iter().any(is_file) {
                 let _ = sender.send(FolderEvent::File);
@@ -120,15 +128,23 @@ impl Watch {
         let mut watcher =
             notify::recommended_watcher(handler).map_err(|error| error.to_string())?;
         watcher
-            .watch(&folder, RecursiveMode::NonRecursive)
+            .watch(folder(&path), RecursiveMode::NonRecursive)
             .map_err(|error| error.to_string())?;
+        for target in paths.iter().skip(1) {
+            // One that does not exist is looked for.
+            let _ = watcher.watch(folder(target), RecursiveMode::NonRecursive);
+        }
         let watcher = Arc::new(Mutex::new(watcher));
         let weak = Arc::downgrade(&watcher);
         let thread = start_thread("watch", move || {
             let mut known: Result<String, Unreadable> = Ok(known);
             // Ends when the watcher is dropped.
             while let Some(change) = next(&changes, matches!(known, Err(Unreadable::Missing(_)))) {
-                if change == FolderEvent::Folder && !watch_again(&weak, &folder) {
+                let now = links(&path);
+                let is_elsewhere = now != *lock(&followed);
+                if (change == FolderEvent::Folder || is_elsewhere)
+                    && !watch_again(&weak, &followed, now)
+                {
                     return;
                 }
                 let text = read(&path);
@@ -172,16 +188,41 @@ fn next(changes: &Receiver<FolderEvent>, is_absent: bool) -> Option<FolderEvent>
     Some(change)
 }
 
-/// Watches the folder that has this name now, if there is one. Returns false when watching ends.
-fn watch_again(watcher: &Weak<Mutex<RecommendedWatcher>>, folder: &Path) -> bool {
+/// Watches the folders that have these names now, if they exist. Returns false when watching ends.
+fn watch_again(
+    watcher: &Weak<Mutex<RecommendedWatcher>>,
+    followed: &Followed,
+    now: Vec<PathBuf>,
+) -> bool {
     let Some(watcher) = watcher.upgrade() else {
         return false;
     };
-    let mut watcher = watcher.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut watcher = lock(&watcher);
+    let before = std::mem::replace(&mut *lock(followed), now.clone());
     // Unwatching a folder that is no longer watched fails, and so does watching a missing one.
-    let _ = watcher.unwatch(folder);
-    let _ = watcher.watch(folder, RecursiveMode::NonRecursive);
+    for path in &before {
+        let _ = watcher.unwatch(folder(path));
+    }
+    for path in &now {
+        let _ = watcher.watch(folder(path), RecursiveMode::NonRecursive);
+    }
     true
+}
+
+/// Returns a path, and those to which links lead from it, one after the other.
+fn links(path: &Path) -> Vec<PathBuf> {
+    let next = |path: &PathBuf| Some(folder(path).join(path.read_link().ok()?));
+    let all = std::iter::successors(Some(path.to_owned()), next);
+    all.take(MOST_LINKS).collect()
+}
+
+/// Returns the folder of a file.
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("/"))
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -255,5 +296,39 @@ mod tests {
         until(&received, Some("fourth"));
         std::fs::write(&path, "fifth").expect("written");
         until(&received, Some("fifth"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_file_of_a_link_is_followed_and_so_is_the_link() {
+        use std::os::unix::fs::symlink;
+
+        let above = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| above.path().join(name);
+        for folder in ["links", "files", "others"] {
+            std::fs::create_dir(path(folder)).expect("a folder");
+        }
+        let link = path("links/a.gtr");
+        std::fs::write(path("files/b.gtr"), "first").expect("written");
+        symlink("../files/c.gtr", &link).expect("a link");
+        symlink("b.gtr", path("files/c.gtr")).expect("a link");
+        let (_watch, received) = watched(&link);
+        let change = |name: &str, text: &str| {
+            std::fs::write(path(name), text).expect("written");
+            until(&received, Some(text));
+        };
+        change("files/b.gtr", "second");
+        change("links/a.gtr", "third");
+        // The last link, and then the first, lead elsewhere.
+        std::fs::write(path("others/d.gtr"), "fourth").expect("written");
+        symlink("../others/d.gtr", path("files/new")).expect("a link");
+        std::fs::rename(path("files/new"), path("files/c.gtr")).expect("renamed");
+        until(&received, Some("fourth"));
+        change("others/d.gtr", "fifth");
+        std::fs::remove_file(&link).expect("removed");
+        until(&received, None);
+        symlink(path("files/b.gtr"), &link).expect("a link");
+        until(&received, Some("third"));
+        change("files/b.gtr", "sixth");
     }
 }
