@@ -51,6 +51,32 @@ fn show_makes_both_pictures_instead() {
 }
 
 #[test]
+fn show_replaces_no_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1], image : earth;";
+    std::fs::write(folder.path().join("earth.gtr"), program).expect("written");
+    let path = |name: &str| folder.path().join(name);
+    // The image of the program has the program's name.
+    let image = image::RgbaImage::from_pixel(4, 2, image::Rgba([0, 0, 255, 255]));
+    image.save(path("earth.png")).expect("written");
+    std::fs::write(path("earth-inside.png"), "of somebody").expect("written");
+    for number in 2..4 {
+        let run = without_display(&["earth.gtr"]).folder(folder.path()).run();
+        run.expect_status(0);
+        for name in ["earth", "earth-inside"] {
+            let name = format!("{name}-{number}.png");
+            assert!(image::open(path(&name)).is_ok(), "{name}: {run:?}");
+        }
+    }
+    assert_eq!(
+        image::open(path("earth.png")).expect("it").to_rgba8(),
+        image
+    );
+    let other = std::fs::read(path("earth-inside.png"));
+    assert_eq!(other.expect("it is there"), b"of somebody");
+}
+
+#[test]
 fn show_takes_a_program_whose_name_begins_with_a_dash() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("-y.gtr"), "point p = (1, 2, 3);").expect("written");

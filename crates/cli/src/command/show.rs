@@ -1,7 +1,7 @@
 //! `geotrace show`: the live window, or what it would show as pictures.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -14,8 +14,8 @@ use crate::registry::Context;
 
 /// Show a program in the live window, or, without a display, as pictures.
 ///
-/// Without a display it prints a note and writes pictures to the current folder: the 3D view (of a CRT
-/// script the traced view) and, if there is a surface or a metric, the geodesic view of the first one.
+/// Without a display it prints a note and writes pictures to the current folder, over no other file: the 3D view
+/// (of a CRT script the traced view) and, if there is a surface or a metric, the geodesic view of the first one.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
@@ -31,10 +31,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         }
     }
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    draw(arguments, context, &[], ".png")?;
+    draw(arguments, context, &[], "")?;
     // A program without a surface has no geodesic view.
     if program.surface(None).is_ok() {
-        draw(arguments, context, &["--view", "geodesic"], "-inside.png")?;
+        draw(arguments, context, &["--view", "geodesic"], "-inside")?;
     }
     Ok(())
 }
@@ -46,8 +46,7 @@ fn draw(
     options: &[&str],
     ending: &str,
 ) -> Result<(), Failure> {
-    let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
-    output.push(ending);
+    let output = free_name(&arguments.file, ending);
     // A name may begin with a dash.
     let mut target = OsString::from("--output=");
     target.push(output);
@@ -60,4 +59,24 @@ fn draw(
     })?;
     render.language.clone_from(&context.language);
     super::run(render, &context.registry)
+}
+
+/// Returns the first of `PROGRAM.png`, `PROGRAM-2.png`, … that no file in the current folder has; `ending` follows the
+/// program's name.
+fn free_name(program: &Path, ending: &str) -> OsString {
+    let mut stem = program.file_stem().unwrap_or_default().to_owned();
+    stem.push(ending);
+    let mut number = 1;
+    loop {
+        let mut name = stem.clone();
+        if number > 1 {
+            name.push(format!("-{number}"));
+        }
+        name.push(".png");
+        // A link that leads nowhere is one, too.
+        if Path::new(&name).symlink_metadata().is_err() {
+            return name;
+        }
+        number += 1;
+    }
 }
