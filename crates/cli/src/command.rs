@@ -125,12 +125,22 @@ fn with_show<W: Into<OsString>>(
     words: impl IntoIterator<Item = W>,
 ) -> Vec<OsString> {
     let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
-    if let Some(word) = words.get(1) {
+    let mut at = 1;
+    // The option of all commands may stand before.
+    while let Some(word) = words.get(at).and_then(|word| word.to_str()) {
+        at += match word {
+            "--language" => 2,
+            _ if word.starts_with("--language=") => 1,
+            _ => break,
+        };
+    }
+    let is_escaped = words.get(at).is_some_and(|word| word == "--");
+    if let Some(word) = words.get(at + usize::from(is_escaped)) {
         let path = Path::new(word);
         let is_file =
             word == "-" || registry.languages.by_extension(path).is_some() || path.is_file();
-        if is_file && command.find_subcommand(word).is_none() {
-            words.insert(1, "show".into());
+        if is_file && (is_escaped || command.find_subcommand(word).is_none()) {
+            words.insert(at, "show".into());
         }
     }
     words
@@ -255,6 +265,26 @@ mod tests {
             let parsed = Arguments::try_parse_from(arguments.split(' '));
             assert!(parsed.is_ok(), "{arguments}: {parsed:?}");
         }
+    }
+
+    #[test]
+    fn a_file_is_shown_also_behind_an_option() {
+        let registry = Registry::standard();
+        for words in [
+            "geotrace a.gtr",
+            "geotrace -- a.gtr",
+            "geotrace --language crt a.gtr",
+            "geotrace --language=crt -- a.gtr",
+            "geotrace a.gtr --language crt",
+        ] {
+            let parsed = Arguments::parse_with(&registry, words.split(' '));
+            let parsed = parsed.unwrap_or_else(|error| panic!("{words}: {error}"));
+            assert!(matches!(parsed.command, Some(Command::Show(_))), "{words}");
+            let language = words.contains("crt").then_some("crt");
+            assert_eq!(parsed.language.as_deref(), language, "{words}");
+        }
+        let parsed = Arguments::parse_with(&registry, ["geotrace", "--language", "crt"]);
+        assert!(parsed.is_ok_and(|parsed| parsed.command.is_none()));
     }
 
     #[test]
