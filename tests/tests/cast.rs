@@ -217,6 +217,9 @@ fn wrong_rays_and_names_are_refused_with_what_to_do() {
         .expect_text("its solids are `die`, `cube`, `ball`");
     run(&["--from", "0,0,0"]).expect_status(2);
     run(&["--rays", "no-such-file"]).expect_status(2);
+    run(&["--rays", "-"])
+        .expect_status(2)
+        .expect_text("can be read only once");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("rays");
     std::fs::write(&path, "0 0 0 1 0 0\n\n1 2 3 4 5\n").expect("written");

@@ -142,6 +142,10 @@ impl Serialize for GridsJson<'_> {
 
 /// Casts one ray, or those of a file.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let standard = Some(Path::new("-"));
+    if Some(&*arguments.file) == standard && arguments.rays.as_deref() == standard {
+        return Err(Failure::usage("standard input (`-`) can be read only once"));
+    }
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
     let rays = rays(arguments, &program, &params)?;
