@@ -69,6 +69,22 @@ fn standard_input_is_laid_out_on_standard_output() {
     assert!(error.contains("only once"), "{error}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_not_rewritten() {
+    let folder = folder(&[]);
+    let pipe = folder.path().join("pipe.gtr");
+    let made = std::process::Command::new("mkfifo").arg(pipe).status();
+    assert!(made.expect("mkfifo runs").success());
+    let (status, out, error) = run(folder.path(), &["format", "pipe.gtr"], b"");
+    assert_eq!((status, out.as_str()), (2, ""));
+    assert!(error.contains("`pipe.gtr` is not a file"), "{error}");
+    let standard = ["format", "/dev/stdin"];
+    let (status, out, error) = run(folder.path(), &standard, UNTIDY.as_bytes());
+    assert_eq!((status, out.as_str()), (2, ""));
+    assert!(error.contains("help: `-` is read"), "{error}");
+}
+
 #[test]
 fn a_check_names_what_is_laid_out_otherwise_and_changes_nothing() {
     let folder = folder(&[("a.gtr", UNTIDY.as_bytes()), ("b.gtr", TIDY.as_bytes())]);

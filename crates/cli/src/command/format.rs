@@ -1,5 +1,6 @@
 //! `geotrace format`: programs in the canonical layout.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -66,6 +67,13 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 
 /// Formats one program, or only compares it. Returns whether it had the canonical layout already.
 fn one(file: &Path, check: bool, context: &Context) -> Result<bool, Failure> {
+    let is_stream = || fs::metadata(file).is_ok_and(|it| !it.is_file() && !it.is_dir());
+    if !check && file != Path::new("-") && is_stream() {
+        return Err(Failure::Usage {
+            message: format!("`{}` is not a file that can be rewritten", file.display()),
+            hint: Some("`-` is read from standard input and written to standard output".into()),
+        });
+    }
     let source = SourceText::read(file)?;
     if source.undecodable.is_some() {
         return Err(Failure::Unreadable {
