@@ -338,6 +338,21 @@ fn a_reference_sees_through_seams_flips_and_poles() {
 }
 
 #[test]
+fn a_diagram_is_not_written_into_a_file_of_another_kind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("other.gtr"), "").expect("written");
+    for name in ["plot.png", "other.gtr"] {
+        let run = geotrace(["accuracy", "-", "-o", name])
+            .input(examples::one("torus").source)
+            .folder(folder.path())
+            .run();
+        run.expect_status(2)
+            .expect_text("the diagram is an SVG file");
+    }
+    assert!(!folder.path().join("plot.png").exists());
+}
+
+#[test]
 fn the_command_measures_every_method_and_draws_a_diagram() {
     let folder = tempfile::tempdir().expect("a folder");
     let plot = folder.path().join("plot.svg");

@@ -10,7 +10,7 @@ mod method;
 mod plot;
 mod text;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use geodesic::frame::Frame;
@@ -120,6 +120,18 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
+    let extension = arguments.output.as_deref().and_then(Path::extension);
+    if let (Some(output), Some(extension)) = (&arguments.output, extension)
+        && !extension.eq_ignore_ascii_case("svg")
+    {
+        return Err(Failure::Usage {
+            message: format!("`{}`: the diagram is an SVG file", output.display()),
+            hint: Some(format!(
+                "write to `{}`",
+                output.with_extension("svg").display()
+            )),
+        });
+    }
     let target = match &arguments.output {
         Some(path) => Some(OutputTarget::apart_from(
             path,
