@@ -16,7 +16,7 @@ const MOST_FOLDERS: usize = 5000;
 const DEEPEST: usize = 12;
 
 /// Returns the files with an extension of one of the languages, in the folders and their subfolders. Hidden files and
-/// those of tools are skipped.
+/// those of tools are skipped, and files whose paths are not UTF-8, for which no URI stands.
 pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBuf> {
     let mut programs = Vec::new();
     let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
@@ -43,7 +43,10 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
             };
             if kind.is_dir() && depth < DEEPEST && !is_skipped(&path) {
                 open.push((path, depth + 1));
-            } else if kind.is_file() && languages.by_extension(&path).is_some() {
+            } else if kind.is_file()
+                && path.to_str().is_some()
+                && languages.by_extension(&path).is_some()
+            {
                 programs.push(path);
                 if programs.len() >= MOST {
                     break 'search;
@@ -82,6 +85,22 @@ mod tests {
         ] {
             assert_eq!(programs(&folders, &languages), [inner.join("a.gtr")]);
         }
+        std::fs::remove_dir_all(&folder).expect("the folder");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_program_whose_name_is_no_text_is_skipped() {
+        use std::os::unix::ffi::OsStrExt as _;
+
+        let folder = std::env::temp_dir().join(format!("geotrace-no-text-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        for name in [&b"a\xFF.gtr"[..], b"b.gtr"] {
+            let name = std::ffi::OsStr::from_bytes(name);
+            std::fs::write(folder.join(name), "").expect("a file");
+        }
+        let found = programs(std::slice::from_ref(&folder), &Languages::standard());
+        assert_eq!(found, [folder.join("b.gtr")]);
         std::fs::remove_dir_all(&folder).expect("the folder");
     }
 }
