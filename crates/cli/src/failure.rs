@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crate::style::TextColours;
+use crate::style::{TextColours, escaped};
 
 /// The reason why a command failed.
 #[derive(Debug)]
@@ -82,11 +82,15 @@ impl Failure {
             Self::Input { message, hint } | Self::Usage { message, hint } => {
                 (message.clone(), hint.clone())
             }
-            Self::Unreadable { file, reason } => (format!("cannot read `{file}`: {reason}"), None),
+            Self::Unreadable { file, reason } => {
+                (format!("cannot read `{}`: {reason}", escaped(file)), None)
+            }
             Self::Unwritable { file, reason } if file == STDOUT => {
                 (format!("cannot write to {file}: {reason}"), None)
             }
-            Self::Unwritable { file, reason } => (format!("cannot write `{file}`: {reason}"), None),
+            Self::Unwritable { file, reason } => {
+                (format!("cannot write `{}`: {reason}", escaped(file)), None)
+            }
             Self::Internal { message } => (
                 message.clone(),
                 Some("this is a bug in geotrace, not in your program: please report it".into()),

@@ -22,7 +22,7 @@ use syntax::span::Span;
 
 use crate::number;
 use crate::source::SourceText;
-use crate::style::TextColours;
+use crate::style::{TextColours, escaped};
 use excerpt::Excerpt;
 
 /// The maximum number of diagnostics of a file that are shown with their source.
@@ -125,7 +125,7 @@ pub(crate) fn text(
             text,
             "… and {} more in {}; `--format json` has them all",
             number::grouped((diagnostics.len() - SHOWN) as u64),
-            source.name,
+            escaped(&source.name),
         );
     }
     text
@@ -143,7 +143,8 @@ impl Page<'_> {
     /// Writes `file:line:column: `.
     fn place(&self, text: &mut String, span: Span) {
         let start = self.lines.position(span.start);
-        let place = format!("{}:{}:{}:", self.source.name, start.line, start.column);
+        let name = escaped(&self.source.name);
+        let place = format!("{name}:{}:{}:", start.line, start.column);
         let _ = write!(text, "{} ", self.colours.strong(&place));
     }
 
@@ -181,27 +182,12 @@ impl Page<'_> {
     }
 }
 
-/// Converts a sentence to one line of limited length, without control characters, which could move the terminal's
-/// cursor.
+/// Converts a sentence to one line of limited length, without control characters.
 fn readable(sentence: &str) -> String {
-    let mut text: String = sentence
-        .chars()
-        .take(LONGEST_SENTENCE)
-        .flat_map(|letter| {
-            let control = letter.is_control();
-            let plain = (!control).then_some(letter);
-            plain.into_iter().chain(
-                control
-                    .then(|| letter.escape_default())
-                    .into_iter()
-                    .flatten(),
-            )
-        })
-        .collect();
-    if sentence.chars().nth(LONGEST_SENTENCE).is_some() {
-        text.push('…');
+    match sentence.char_indices().nth(LONGEST_SENTENCE) {
+        Some((end, _)) => escaped(&sentence[..end]) + "…",
+        None => escaped(sentence),
     }
-    text
 }
 
 #[cfg(test)]
@@ -250,6 +236,18 @@ a.gtr:1:1: note: see here
 
 ";
         assert_eq!(text(&source, &[diagnostic], TextColours::plain()), expected);
+    }
+
+    #[test]
+    fn the_name_of_a_file_does_not_move_the_cursor() {
+        let named = SourceText::new("\u{1b}[31ma\n.gtr".into(), "foo".into());
+        let text = text(
+            &named,
+            &[error(Span::new(0, 3), "no")],
+            TextColours::plain(),
+        );
+        let place = r"\u{1b}[31ma\n.gtr:1:1: error[undefined-name]: no";
+        assert_eq!(text.lines().next(), Some(place));
     }
 
     #[test]

@@ -83,3 +83,15 @@ impl TextColours {
         }
     }
 }
+
+/// Escapes control characters, which could move the terminal's cursor.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter.is_control() {
+            true => escaped.extend(letter.escape_default()),
+            false => escaped.push(letter),
+        }
+    }
+    escaped
+}
