@@ -705,3 +705,13 @@ fn a_path_of_standard_output_adds_to_what_the_file_has() {
     assert_eq!(format!("# before\n{again}"), text);
     assert_eq!(names(&folder), ["a.gtr", "out.obj"]);
 }
+
+#[test]
+fn standard_input_has_no_window_to_remember_it() {
+    let folder = folder(&[]);
+    let words = ["render", "-", "-o", "a.png", "--like-window"];
+    let run = run(folder.path(), &words, SPHERE);
+    assert_eq!(run.status, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("--like-window: "), "{}", run.stderr);
+    assert!(!run.stderr.contains("help"), "{}", run.stderr);
+}

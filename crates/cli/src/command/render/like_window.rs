@@ -50,10 +50,13 @@ fn remembered(
     let remembered = preview::remembered(&arguments.file, scene, views, id, arguments.size(scene));
     remembered.map_err(|message| Failure::Input {
         message: format!("--like-window: {message}"),
-        hint: Some(format!(
-            "`geotrace show {}` opens the window, which remembers what it shows",
-            arguments.file.display()
-        )),
+        // The window shows no standard input.
+        hint: (arguments.file.as_os_str() != "-").then(|| {
+            format!(
+                "`geotrace show {}` opens the window, which remembers what it shows",
+                arguments.file.display()
+            )
+        }),
     })
 }
 
