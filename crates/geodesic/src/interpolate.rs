@@ -11,6 +11,24 @@ pub(crate) fn cubic(t: f64, h: f64, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64
         + h * t * rest * (rest * a1 - t * b1)
 }
 
+/// Returns the fractions inside the interval at which the same cubic has an extremum.
+pub(crate) fn turning_points(
+    h: f64,
+    [a, a1]: [f64; 2],
+    [b, b1]: [f64; 2],
+) -> impl Iterator<Item = f64> {
+    let (start, end, rise) = (h * a1, h * b1, b - a);
+    // The derivative is p t² − 2 q t + start.
+    let p = 3.0 * (start + end - 2.0 * rise);
+    let q = 2.0 * start + end - 3.0 * rise;
+    let root = (q * q - p * start).sqrt();
+    // Without cancellation; a NaN is not inside.
+    let sum = q + root.copysign(q);
+    [sum / p, start / sum]
+        .into_iter()
+        .filter(|t| *t > 0.0 && *t < 1.0)
+}
+
 /// Returns the coefficients, by powers of the fraction, of the quintic with these values, first and second derivatives at
 /// the ends of an interval of length `h`.
 pub(crate) fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {

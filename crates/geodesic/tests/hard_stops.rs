@@ -145,6 +145,31 @@ fn beside_a_corner_a_ray_leaves_through_the_side_that_it_meets_first() {
 }
 
 #[test]
+fn a_ray_that_grazes_an_edge_leaves_through_it() {
+    // The unit sphere up to the latitude 1, by longitude and latitude: sin v = sin i sin s.
+    let mut m = Maker::new();
+    let (sin, cos) = (m.f(Unary::Sin, m.v), m.f(Unary::Cos, m.v));
+    let u = m.u;
+    let p = m.around(cos, u, sin);
+    let band = m.done(p, [[0.0, TAU], [-1.0, 1.0]]);
+    for over in [1e-8, 1e-6, 1e-5, 2e-5, 1e-4, 1e-3] {
+        for longitude in [0.1, 1.0, 2.5] {
+            let (sin, cos) = (1.0_f64 + over).sin_cos();
+            let end = go(&band, [longitude, 0.0], [cos, sin], 10.0);
+            assert_eq!(end.status, Status::LeftDomain, "{over}: {end:?}");
+            let expected = (1.0_f64.sin() / sin).asin();
+            assert!(
+                (end.length - expected).abs() < 1e-7,
+                "{over}: {end:?} {expected}"
+            );
+        }
+        let (sin, cos) = (1.0_f64 - over).sin_cos();
+        let end = go(&band, [0.1, 0.0], [cos, sin], 10.0);
+        assert_eq!(end.status, Status::Complete, "{over}: {end:?}");
+    }
+}
+
+#[test]
 fn the_limit_on_evaluations_bounds_every_method() {
     let s = torus(0.4);
     for method in [TraceMethod::Adaptive, TraceMethod::Rk4 { steps: 1_000_000 }] {

@@ -279,17 +279,25 @@ impl ChartLayout {
     }
 
     /// Returns the edge through which a step to `end` leaves, and a fraction of the step after which it is outside: the
-    /// earliest of a few samples later than `after`.
+    /// earliest of a few samples later than `after`, and of the fractions at which the step turns back in a coordinate.
     pub(crate) fn edge_on_way(
         &self,
         end: [f64; 2],
         after: f64,
+        turns: impl IntoIterator<Item = f64>,
         between: impl Fn(f64) -> [f64; 2],
     ) -> Option<(f64, (usize, usize))> {
         if !self.any_edge {
             return None;
         }
-        let mut looks = LOOKS.into_iter().filter(|share| *share > after);
+        let mut looks = [f64::INFINITY; 8];
+        for (look, share) in looks.iter_mut().zip(LOOKS.into_iter().chain(turns)) {
+            *look = share;
+        }
+        looks.sort_by(f64::total_cmp);
+        let mut looks = looks
+            .into_iter()
+            .filter(|share| *share > after && *share <= 1.0);
         looks.find_map(|share| {
             let at = if share == 1.0 { end } else { between(share) };
             Some((share, self.beyond_edge(at)?))

@@ -18,7 +18,7 @@ pub(super) fn leaves(
         quintic(h, start, [to.at[k], to.velocity[k], to.acceleration[k]])
     });
     let point = |x: f64| [0, 1].map(|k| value(&path[k], x));
-    let (first, edge) = layout.edge_on_way(to.at, 0.0, point)?;
+    let (first, edge) = layout.edge_on_way(to.at, 0.0, [], point)?;
     let crossing = |edge: (usize, usize), beyond: f64| {
         let (mut low, mut high) = (first - 0.25, beyond);
         for _ in 0..48 {

@@ -4,7 +4,7 @@ use super::ray::{Attempt, Ray};
 use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, State};
-use crate::interpolate::cubic;
+use crate::interpolate::{cubic, turning_points};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::vector::{combine, norm};
@@ -50,18 +50,22 @@ impl Ray<'_, '_> {
                 (passes || arrives).then_some((Event::NearestToApex, 1.0))
             }
             Chart::Plain => {
+                let ends = |k: usize| {
+                    [&self.state, &step.end]
+                        .map(|state| [state.at[k], self.pace(state, pace) * state.velocity[k]])
+                };
                 let between = |share: f64| {
-                    let ends = |k: usize| {
-                        [&self.state, &step.end]
-                            .map(|state| [state.at[k], self.pace(state, pace) * state.velocity[k]])
-                    };
                     [0, 1].map(|k| {
                         let [from, to] = ends(k);
                         cubic(share, h, from, to)
                     })
                 };
+                let turns = [0, 1].into_iter().flat_map(|k| {
+                    let [from, to] = ends(k);
+                    turning_points(h, from, to)
+                });
                 let layout = &self.atlas.layout;
-                let (share, edge) = layout.edge_on_way(step.end.at, after, between)?;
+                let (share, edge) = layout.edge_on_way(step.end.at, after, turns, between)?;
                 Some((Event::Edge(edge), share))
             }
         }
