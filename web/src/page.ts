@@ -103,7 +103,7 @@ export class Page {
         const kept = store.current();
         if (await this.followLink()) {
             if (kept !== undefined && kept.text !== this.editor.text) {
-                store.remember(kept);
+                this.remember(kept);
             }
             return;
         }
@@ -118,7 +118,7 @@ export class Page {
     /** Opens a program in the place of the one that is open, which is remembered if the reader has changed it. */
     private open(program: store.Kept, isOwn: boolean): void {
         if (this.isOwn) {
-            store.remember(this.kept());
+            this.remember(this.kept());
         }
         this.isOwn = isOwn;
         this.opened = program;
@@ -127,6 +127,15 @@ export class Page {
         this.editor.open(program.text);
         this.closeWelcome(false);
         this.read(program);
+    }
+
+    /** Remembers a program; where there is no room for it, the reader can save it. */
+    private remember(program: store.Kept): void {
+        if (!store.remember(program)) {
+            const { name, text } = program;
+            const action = { label: "Save it", press: () => download(name, text, "text/plain") };
+            say(`There is no room to keep ${name} under Open.`, { bad: true, action });
+        }
     }
 
     /** Hands the core a program whose text is in the editor. */

@@ -16,8 +16,8 @@ const RECENT = "geotrace.recent";
 const THEME = "geotrace.theme";
 const WELCOME = "geotrace.welcome";
 const MOST = 12;
-/** The longest text of a program that was open before, in UTF-16 units: a browser gives a page about five megabytes. */
-const LONGEST = 200_000;
+/** The room of the programs that were open before, in UTF-16 units: a browser gives a page about five million. */
+const ROOM = 2_500_000;
 
 function read<Value>(storage: () => Storage, key: string): Value | undefined {
     try {
@@ -68,18 +68,19 @@ export function recent(): Kept[] {
     return Array.isArray(list) ? list.filter(isProgram) : [];
 }
 
-/** Adds a program to those that were open before. */
-export function remember(program: Kept): void {
-    if (program.text.trim() === "" || program.text.length > LONGEST) {
-        return;
+/** Adds a program to those that were open before, in place of the oldest ones; returns false if there is no room for it. */
+export function remember(program: Kept): boolean {
+    if (program.text.trim() === "") {
+        return true;
     }
     // Tabs that are used in turn leave one program each, as it was last.
     const isSame = (it: Kept) => it.text === program.text || (it.tab !== undefined && it.tab === program.tab && it.name === program.name);
     const others = recent().filter((it) => !isSame(it));
     let list = [program, ...others].slice(0, MOST);
-    while (list.length > 0 && !write(local, RECENT, list)) {
+    while (list.length > 0 && (JSON.stringify(list).length > ROOM || !write(local, RECENT, list))) {
         list = list.slice(0, -1);
     }
+    return list.length > 0;
 }
 
 export type Theme = "light" | "dark";

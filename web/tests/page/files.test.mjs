@@ -142,6 +142,29 @@ test("a link or a program in another tab takes nothing away of what was typed", 
     await context.close();
 });
 
+test("a long program is kept where another one takes its place, one without room can be saved", async () => {
+    const long = `${`# ${"a comment ".repeat(10)}\n`.repeat(3000)}${SPHERE}`;
+    const init = `localStorage["geotrace.program"] ??= ${JSON.stringify(JSON.stringify({ name: "long.gtr", text: long }))};`;
+    const page = await state.open("", { init });
+    const choose = async (item) => {
+        await page.getByRole("button", { name: "New" }).click();
+        await page.getByRole("menuitem", { name: item }).click();
+    };
+    await choose("Curve");
+    assert.deepEqual(await recent(page), [long]);
+    await write(page, "point p = (1, 2, 3);");
+    await page.evaluate(() => {
+        Storage.prototype.setItem = () => {
+            throw new Error("no room");
+        };
+    });
+    await choose("Surface");
+    const notice = page.locator(".toast", { hasText: "no room to keep" });
+    const { bytes } = await download(page, () => notice.getByRole("button", { name: "Save it" }).click());
+    assert.equal(bytes.toString(), "point p = (1, 2, 3);");
+    await state.close(page);
+});
+
 test("settings that cannot be read are left out, once and for all", async () => {
     for (const settings of [{ closed: 5 }, { textures: 5 }, { params: { r: "a" } }, { preferences: { marks: 5 } }, { looks: 5 }]) {
         const page = await state.open(link(SPHERE, settings));
