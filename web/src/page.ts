@@ -16,6 +16,7 @@ import { chooseFile, IMAGES, isProgram, named, PROGRAMS, readImage, readProgram 
 import { openGallery, openHelp, welcome } from "./gallery.ts";
 import iconAddress from "./icon.svg?url";
 import { LinkError, unpacked } from "./link.ts";
+import { letter } from "./pane.ts";
 import { Problems } from "./problems.ts";
 import type { Pick, Scene, Settings } from "./protocol.ts";
 import { SettingsPane } from "./settings.ts";
@@ -548,10 +549,10 @@ export class Page {
 
     private key(event: KeyboardEvent): void {
         const isControl = (event.ctrlKey || event.metaKey) && !event.altKey && !event.shiftKey;
-        if (isControl && event.code === "KeyS") {
+        if (isControl && letter(event) === "s") {
             event.preventDefault();
             this.saveFile();
-        } else if (isControl && event.code === "KeyO") {
+        } else if (isControl && letter(event) === "o") {
             event.preventDefault();
             chooseFile(PROGRAMS, (file) => void this.openFile(file));
         } else if (event.key === "F1") {

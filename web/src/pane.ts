@@ -466,11 +466,11 @@ export class Pane {
     private command(event: KeyboardEvent): boolean {
         const view = this.info.id;
         const isControl = event.ctrlKey || event.metaKey;
-        if (event.code === "KeyZ" && isControl && !event.altKey) {
+        if (isControl && letter(event) === "z" && !event.altKey) {
             this.events.key(event.shiftKey ? "redo" : "undo");
             return true;
         }
-        if (event.code === "KeyY" && isControl) {
+        if (isControl && letter(event) === "y") {
             this.events.key("redo");
             return true;
         }
@@ -491,31 +491,37 @@ export class Pane {
         if (isControl || event.altKey || event.shiftKey) {
             return false;
         }
-        switch (event.code) {
-            case "KeyR":
+        if (event.code === "Digit5" || event.code === "Numpad5") {
+            this.events.key("orthographic");
+            return true;
+        }
+        // A key whose place moves the camera does so whatever is written on it.
+        switch (motion(event) === undefined ? letter(event) : undefined) {
+            case "r":
                 this.core.tell("camera", { view, move: "reset" });
                 this.core.tell("release", {});
                 return true;
-            case "KeyF":
+            case "f":
                 if (!this.isInside) {
                     this.core.tell("camera", { view, move: "frame" });
                     this.core.tell("release", {});
                 }
                 return !this.isInside;
-            case "KeyM":
+            case "m":
                 this.events.key("measure");
                 return true;
-            case "KeyT":
+            case "t":
                 this.events.key("traced");
-                return true;
-            case "Digit5":
-            case "Numpad5":
-                this.events.key("orthographic");
                 return true;
             default:
                 return false;
         }
     }
+}
+
+/** Returns the letter on a key; where there is no Latin one, that of its place on an American keyboard. */
+export function letter({ key, code }: KeyboardEvent): string {
+    return (/^[a-z]$/i.test(key) ? key : code.replace(/^Key/, "")).toLowerCase();
 }
 
 /** The key of the camera that a key of the keyboard is, by its place; plus and minus by what is written on them too. */

@@ -239,6 +239,37 @@ test("objects are hidden, coloured and textured; undo takes it back", async () =
     await state.close(page);
 });
 
+test("the letters of commands are those written on the keys", async () => {
+    const page = await state.open(link(SPHERE));
+    /** Presses a key in the 3D view; returns whether the page has taken it. */
+    const press = (code, key, ctrlKey = false) =>
+        page.evaluate(
+            ([init]) => {
+                const canvas = document.querySelector('[data-view="3d"] canvas');
+                const event = new KeyboardEvent("keydown", { bubbles: true, cancelable: true, ...init });
+                canvas.dispatchEvent(event);
+                canvas.dispatchEvent(new KeyboardEvent("keyup", { bubbles: true, ...init }));
+                return event.defaultPrevented;
+            },
+            [{ code, key, ctrlKey }],
+        );
+    await page.getByRole("tab", { name: "Objects" }).click();
+    await page.getByRole("button", { name: "Hide s" }).click();
+    // German, Russian.
+    for (const [undo, redo] of [["KeyY z", "KeyZ y"], ["KeyZ я", "KeyY н"]]) {
+        assert.ok(await press(...undo.split(" "), true));
+        await page.getByRole("button", { name: "Hide s" }).waitFor();
+        assert.ok(await press(...redo.split(" "), true));
+        await page.getByRole("button", { name: "Show s" }).waitFor();
+    }
+    // French M; Colemak R, whose place is that of S, and Ctrl+R, which is the browser's.
+    assert.ok(await press("Semicolon", "m"));
+    await page.getByRole("region", { name: "Measure" }).waitFor();
+    assert.ok(await press("KeyS", "r"));
+    assert.ok(!(await press("KeyS", "r", true)));
+    await state.close(page);
+});
+
 test("overlays are drawn over the pictures", async () => {
     const page = await state.open(link(SPHERE));
     const before = await picture(page, INSIDE);
