@@ -75,12 +75,13 @@ export function icon(name: IconName): SVGSVGElement {
 export function button(
     label: string,
     press: (event: MouseEvent) => void,
-    { icon: name, text = true, hint, kind = "" }: { icon?: IconName; text?: boolean; hint?: string; kind?: string } = {},
+    { icon: name, text = true, hint, kind = "", id }: { icon?: IconName; text?: boolean; hint?: string; kind?: string; id?: string } = {},
 ): HTMLButtonElement {
     return make(
         "button",
         {
             type: "button",
+            id,
             class: `button ${text ? "" : "square"} ${kind}`.trim(),
             "aria-label": text ? undefined : label,
             title: hint ?? (text && !kind.includes("wide") ? undefined : label),
@@ -89,6 +90,17 @@ export function button(
         name && icon(name),
         text && make("span", { class: "label" }, label),
     );
+}
+
+/** Replaces the content of an element; the control in it that has the focus gives it to the new one of the same id. */
+export function refill(element: HTMLElement, ...children: Node[]): void {
+    const root = element.getRootNode() as Document | ShadowRoot;
+    const focused = root.activeElement;
+    const id = element.contains(focused) ? focused?.id : undefined;
+    element.replaceChildren(...children);
+    if (id) {
+        root.getElementById(id)?.focus();
+    }
 }
 
 /** Gives the reader a file. */

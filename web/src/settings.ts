@@ -3,7 +3,7 @@
 // In: the scene and the settings. Out: patches of the settings. A control that is in use is never built anew.
 
 import type { Core } from "./core.ts";
-import { button, make } from "./dom.ts";
+import { button, make, refill } from "./dom.ts";
 import type { Marks, ObjectInfo, Preferences, Rgb, Scene, TextureChoice } from "./protocol.ts";
 import { Sliders } from "./sliders.ts";
 
@@ -109,13 +109,9 @@ export class SettingsPane {
             return;
         }
         this.looks = state;
-        const had = document.activeElement?.id ?? "";
         const rows = objects.map((object) => this.object(object));
         const none = make("p", { class: "empty" }, "Curves, surfaces, points, vectors and solids of the program are listed here.");
-        this.sheets.Objects.replaceChildren(...(rows.length > 0 ? rows : [none]));
-        if (had !== "") {
-            document.getElementById(had)?.focus();
-        }
+        refill(this.sheets.Objects, ...(rows.length > 0 ? rows : [none]));
     }
 
     private object(object: ObjectInfo): HTMLElement {
@@ -127,8 +123,8 @@ export class SettingsPane {
         const eye = button(hidden ? `Show ${name}` : `Hide ${name}`, () => look({ hidden: !hidden }, "hide"), {
             icon: hidden ? "eyeOff" : "eye",
             text: false,
+            id: `eye-${name}`,
         });
-        eye.id = `eye-${name}`;
         const swatch = make("input", {
             type: "color",
             class: "swatch",
@@ -193,7 +189,6 @@ export class SettingsPane {
             return;
         }
         this.marks = state;
-        const had = document.activeElement?.id ?? "";
         const sheet = this.sheets.Views;
         const { scrollTop } = sheet;
         const isInside = scene.views.some((view) => view.camera === "inside");
@@ -205,7 +200,8 @@ export class SettingsPane {
         for (const { name, title, default: initial } of others.values()) {
             boxes.push(this.mark(name, title, "", preferences.marks?.[name] ?? initial));
         }
-        sheet.replaceChildren(
+        refill(
+            sheet,
             make("h3", {}, "Drawn over the pictures"),
             ...boxes,
             make("h3", {}, "3D view"),
@@ -216,14 +212,11 @@ export class SettingsPane {
             make(
                 "div",
                 { class: "actions" },
-                button("Write the camera into the program", () => this.events.writeCamera(), { kind: "outline" }),
-                button("Reset all settings", () => this.events.reset(), { kind: "outline" }),
+                button("Write the camera into the program", () => this.events.writeCamera(), { kind: "outline", id: "write-camera" }),
+                button("Reset all settings", () => this.events.reset(), { kind: "outline", id: "reset-settings" }),
             ),
         );
         sheet.scrollTop = scrollTop;
-        if (had !== "") {
-            document.getElementById(had)?.focus();
-        }
     }
 
     private mark(name: string, label: string, about: string, isOn: boolean): HTMLElement {

@@ -1,7 +1,7 @@
 // The sliders of the params: name, value, and what animates it.
 
 import type { Core } from "./core.ts";
-import { button, make } from "./dom.ts";
+import { button, make, refill } from "./dom.ts";
 import type { ComponentInfo, ParamInfo } from "./protocol.ts";
 
 export class Sliders {
@@ -38,7 +38,7 @@ export class Sliders {
                 make("code", {}, "r"),
                 " below it.",
             );
-            this.element.replaceChildren(...(rows.length > 0 ? rows : [none]));
+            refill(this.element, ...(rows.length > 0 ? rows : [none]));
         }
         for (const param of params) {
             for (const [at, component] of param.components.entries()) {
@@ -101,9 +101,8 @@ export class Sliders {
                 this.core.change({ animations: { [name]: { on } } });
                 this.update(this.params);
             },
-            { icon: isOn ? "pause" : "animate", text: false },
+            { icon: isOn ? "pause" : "animate", text: false, id: `animate-${name}-${at}` },
         );
-        animate.setAttribute("aria-pressed", String(isOn));
         const { write } = this;
         const into = write && button(`Write ${title} into the program`, () => write(name), { icon: "code", text: false });
         this.rows.set(`${name} ${at}`, ({ value, initial }) => {

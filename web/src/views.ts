@@ -1,7 +1,7 @@
 // The panes beside the program: which views are open, how they share the room, and the chips that open and close them.
 
 import type { Core } from "./core.ts";
-import { button, type IconName, make } from "./dom.ts";
+import { button, type IconName, make, refill } from "./dom.ts";
 import { Measuring } from "./measure.ts";
 import { Pane, type PaneEvents } from "./pane.ts";
 import type { NoPicture, Picture, Scene, ViewInfo } from "./protocol.ts";
@@ -229,14 +229,19 @@ export class Views {
         const traced = button("Traced", () => this.flip("traced"), {
             icon: "traced",
             hint: "Lights, shadows, mirrors and glass (T)",
+            id: `traced-${info.id}`,
         });
         traced.setAttribute("aria-pressed", String(isTraced));
-        tools.replaceChildren(
+        refill(
+            tools,
             ...(info.instead === null ? [] : [traced]),
             ...(info.camera === "space" ? [square("Frame everything (F)", "fit", move("frame"))] : []),
             ...(info.camera === null ? [] : [square("Reset the camera (R)", "reset", move("reset"))]),
             minor(`Save a picture of ${info.title}`, "image", () => this.events.save(info.id)),
-            minor(`Close ${info.title}`, "close", () => this.toggle(info)),
+            minor(`Close ${info.title}`, "close", () => {
+                this.toggle(info);
+                document.getElementById(`chip-${info.id}`)?.focus();
+            }),
         );
     }
 
@@ -248,11 +253,11 @@ export class Views {
         this.chips.dataset["state"] = state;
         const chips = views.map((view) => {
             const kind = view.camera === "inside" ? "inside" : "cube";
-            const chip = button(view.title, () => this.toggle(view), { icon: kind, hint: view.purpose });
+            const chip = button(view.title, () => this.toggle(view), { icon: kind, hint: view.purpose, id: `chip-${view.id}` });
             chip.setAttribute("aria-pressed", String(this.isOpen(view)));
             return chip;
         });
-        this.chips.replaceChildren(...chips, this.measuring.opener);
+        refill(this.chips, ...chips, this.measuring.opener);
     }
 
     /** Shares the room so that the shortest side of a pane is as long as it can be. */

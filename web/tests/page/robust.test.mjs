@@ -162,6 +162,25 @@ test("everything has a name for those who do not see it, and is reached by keys"
     await state.close(page);
 });
 
+test("a button that is pressed keeps the focus, and a view that is closed leaves it to its button", async () => {
+    const page = await state.open(link(SPHERE));
+    const focused = () => page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent);
+    for (const [tab, name, after = name] of [
+        ["Params", "Animate r", "Stop r"],
+        ["Params", "Stop r", "Animate r"],
+        ["Params", "Traced"],
+        ["Params", "Geodesic view of s"],
+        ["Params", "Close 3D view", "3D view"],
+        ["Views", "Reset all settings"],
+    ]) {
+        await page.getByRole("tab", { name: tab }).click();
+        await page.getByRole("button", { name, exact: true }).press("Enter");
+        await page.waitForTimeout(300);
+        assert.equal(await focused(), after);
+    }
+    await state.close(page);
+});
+
 test("on a phone the panes are tabs, and everything is large enough for a finger", async () => {
     const page = await state.open(link(SPHERE), { isPhone: true });
     const sizes = () =>
