@@ -21,7 +21,8 @@ import wasm from "./core/core_bg.wasm?url";
 export type Told =
     | { told: "open"; name: string; text: string; version: number }
     | { told: "edit"; version: number; changes: TextEdit[] }
-    | { told: "cursor"; at: number | null };
+    | { told: "cursor"; at: number | null }
+    | { told: "view"; view: "3d" | "geodesic" | "traced"; surface?: string };
 
 /** What the panel says. */
 export type Said =
@@ -153,7 +154,23 @@ class Panel {
                 return;
             case "cursor":
                 this.core.tell("cursor", { at: told.at });
+                return;
+            case "view":
+                this.open(told.view, told.surface);
         }
+    }
+
+    /** Opens a view: of a surface, or traced through a camera, if one is named. */
+    private open(view: "3d" | "geodesic" | "traced", name: string | undefined): void {
+        const { closed = [], opened = [] } = this.core.settings;
+        const id = view === "geodesic" ? `geodesic:${name}` : "3d";
+        this.core.change({
+            closed: closed.filter((it) => it !== id),
+            opened: [...opened.filter((it) => it !== id), id],
+            ...(view !== "geodesic" && { preferences: { traced: view === "traced", ...(name && { camera: name }) } }),
+            ...(view === "traced" && name && { space: null }),
+        });
+        this.update();
     }
 
     private update(): void {

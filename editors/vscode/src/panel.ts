@@ -20,6 +20,12 @@ interface TextEdit {
     insert: string;
 }
 
+/** A view as the lenses of the server name it: of a surface, or through a camera. */
+export interface View {
+    view: string;
+    surface?: string;
+}
+
 /** What the panel says; see `web/src/panel.ts`. */
 type Said =
     | { said: "ready" }
@@ -52,8 +58,8 @@ export class Panels implements vscode.Disposable {
         }
     }
 
-    /** Opens the panel of a document, or shows it if it is open. */
-    async show(document: vscode.TextDocument): Promise<void> {
+    /** Opens the panel of a document, or shows it if it is open, with a view if one is named. */
+    async show(document: vscode.TextDocument, view?: View): Promise<void> {
         if (!isProgram(document)) {
             void vscode.window.showErrorMessage(`${nameOf(document.uri)} is not a Geotrace program, so it has no preview.`);
             return;
@@ -63,12 +69,16 @@ export class Panels implements vscode.Disposable {
             return;
         }
         const key = document.uri.toString();
-        const known = this.open.get(key);
-        if (known !== undefined) {
-            known.reveal();
-            return;
+        let panel = this.open.get(key);
+        if (panel === undefined) {
+            panel = new Panel(this.folder, document, () => this.open.delete(key));
+            this.open.set(key, panel);
+        } else {
+            panel.reveal();
         }
-        this.open.set(key, new Panel(this.folder, document, () => this.open.delete(key)));
+        if (view !== undefined) {
+            panel.see(view);
+        }
     }
 
     /** The number of the last text that a document's panel has shown; `undefined` where it has none. */
@@ -103,6 +113,8 @@ class Panel {
     private version = 0;
     /** The panel has asked for the text. */
     private isReady = false;
+    /** The view that is wanted once it has. */
+    private view: View | undefined;
 
     constructor(
         folder: vscode.Uri,
@@ -126,6 +138,14 @@ class Panel {
 
     reveal(): void {
         this.panel.reveal(undefined, true);
+    }
+
+    see(view: View): void {
+        if (this.isReady) {
+            this.tell({ told: "view", ...view });
+        } else {
+            this.view = view;
+        }
     }
 
     dispose(): void {
@@ -161,6 +181,10 @@ class Panel {
                 this.isReady = true;
                 this.version += 1;
                 this.tellText();
+                if (this.view !== undefined) {
+                    this.see(this.view);
+                    this.view = undefined;
+                }
                 return;
             case "shown":
                 this.shown = said.version;

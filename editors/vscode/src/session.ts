@@ -12,7 +12,7 @@ import {
     type StaticFeature,
 } from "vscode-languageclient";
 import { newFromExample } from "./examples";
-import { LANGUAGES, Panels, isProgram } from "./panel";
+import { LANGUAGES, Panels, type View, isProgram } from "./panel";
 
 /** What VS Code runs in: an operating system with programs, or a browser. */
 export interface Host {
@@ -200,9 +200,9 @@ class Session implements vscode.Disposable {
                         return next(command, given);
                     }
                     if (this.isInPanel()) {
-                        const [wanted] = given;
+                        const [wanted, view] = given;
                         const uri = typeof wanted === "string" ? vscode.Uri.parse(wanted) : wanted;
-                        return this.openPanel(uri instanceof vscode.Uri ? uri : undefined);
+                        return uri instanceof vscode.Uri ? this.openPanel(uri, isView(view) ? view : undefined) : this.openPanel();
                     }
                     if (given[0] instanceof vscode.Uri) {
                         // From the explorer the file may not be open, and the server knows open documents only.
@@ -221,14 +221,14 @@ class Session implements vscode.Disposable {
         return !this.host.hasWindows || vscode.workspace.getConfiguration("geotrace").get("preview.in") === "panel";
     }
 
-    /** Opens the preview inside VS Code: of a document, or of the active editor's. */
-    private async openPanel(uri = vscode.window.activeTextEditor?.document.uri): Promise<void> {
+    /** Opens the preview inside VS Code: of a document, or of the active editor's, with a view if one is named. */
+    private async openPanel(uri = vscode.window.activeTextEditor?.document.uri, view?: View): Promise<void> {
         if (uri !== undefined) {
             const document = await vscode.workspace.openTextDocument(uri);
             if (!vscode.window.visibleTextEditors.some((editor) => editor.document === document)) {
                 await vscode.window.showTextDocument(document);
             }
-            await this.panels.show(document);
+            await this.panels.show(document, view);
         }
     }
 
@@ -303,6 +303,11 @@ class Session implements vscode.Disposable {
                 ? { title: "Restart", command: "geotrace.restart" }
                 : { title: "Show output", command: "geotrace.showLog" };
     }
+}
+
+/** Returns whether an argument of the command is a view: a menu gives others. */
+function isView(given: unknown): given is View {
+    return typeof given === "object" && given !== null && "view" in given && typeof given.view === "string";
 }
 
 /** Says that this editor wants to hear of each picture of a preview. */

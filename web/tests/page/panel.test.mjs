@@ -95,6 +95,29 @@ test("a double click selects the declaration, a slider's value is written into t
     await page.close();
 });
 
+test("it opens the views that the lenses of the editor name", async () => {
+    const page = await open(`${SPHERE}solid b(x, y, z) = x^2 + y^2 + z^2 - 4;
+light l = @ (2, -2, 4);
+camera c = (0, 4, -1) @ (0, -4, 1);
+camera d = (0, -4, -1) @ (0, 4, 1);
+`);
+    const isOpen = (view) => page.locator(`[data-view="${view}"][data-exact=true]`);
+    assert.equal(await isOpen("geodesic:b").count(), 0);
+    await tell(page, { told: "view", view: "geodesic", surface: "b" });
+    await isOpen("geodesic:b").waitFor();
+    await page.getByRole("button", { name: "Close 3D view" }).click();
+    await isOpen("3d").waitFor({ state: "detached" });
+    await tell(page, { told: "view", view: "traced", surface: "d" });
+    await isOpen("3d").waitFor();
+    assert.equal(await page.getByRole("button", { name: "Traced", pressed: true }).count(), 1);
+    await page.getByRole("tab", { name: "Views" }).click();
+    assert.equal(await page.getByLabel("Look through").inputValue(), "d");
+    await tell(page, { told: "view", view: "3d" });
+    await page.getByRole("button", { name: "Traced", pressed: false }).waitFor();
+    assert.deepEqual(page.failures, []);
+    await page.close();
+});
+
 test("a picture is handed to the host", async () => {
     const page = await open(SPHERE);
     await page.getByRole("button", { name: "Save a picture of 3D view" }).click();
