@@ -11,6 +11,12 @@ delete manifest.devDependencies;
 if (target === "web") {
     delete manifest.main;
     delete manifest.capabilities;
+    // The command needs a program.
+    const { commands, menus, walkthroughs } = manifest.contributes;
+    for (const entries of [commands, ...Object.values(menus), ...walkthroughs.map(({ steps }) => steps)]) {
+        const isKept = (entry) => !JSON.stringify(entry).includes("geotrace.exportPicture");
+        entries.splice(0, entries.length, ...entries.filter(isKept));
+    }
 } else {
     delete manifest.browser;
 }

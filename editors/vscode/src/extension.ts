@@ -7,24 +7,26 @@ import { findServer } from "./server";
 import { type Api, end, start } from "./session";
 
 export function activate(context: vscode.ExtensionContext): Promise<Api> {
-    /** The path of the program, once it has been found. */
-    let program: string | undefined;
+    const find = () => {
+        const setting = vscode.workspace.getConfiguration("geotrace").get("server.path", "");
+        return findServer(setting, context.extensionPath, String(context.extension.packageJSON.version));
+    };
     context.subscriptions.push(
-        vscode.commands.registerCommand("geotrace.exportPicture", (source?: vscode.Uri, target?: unknown) =>
-            program === undefined
-                ? undefined
-                : // From a menu, the second argument is the selection.
-                  exportPicture(program, source, target instanceof vscode.Uri ? target : undefined),
-        ),
+        vscode.commands.registerCommand("geotrace.exportPicture", async (source?: vscode.Uri, target?: unknown) => {
+            try {
+                const { path } = await find();
+                // From a menu, the second argument is the selection.
+                await exportPicture(path, source, target instanceof vscode.Uri ? target : undefined);
+            } catch (error) {
+                // Not awaited: the command is done.
+                void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
+            }
+        }),
     );
-    void vscode.commands.executeCommand("setContext", "geotrace.hasProgram", true);
     return start(context, {
         hasWindows: true,
         async connect(options, output) {
-            const setting = vscode.workspace.getConfiguration("geotrace").get("server.path", "");
-            const wanted = String(context.extension.packageJSON.version);
-            const server = await findServer(setting, context.extensionPath, wanted);
-            program = server.path;
+            const server = await find();
             output.info(`${server.path} (from ${server.from}), version ${server.version}`);
             const client = new LanguageClient("geotrace", "Geotrace", { command: server.path, args: ["lsp"] }, options);
             return { client, version: server.version };

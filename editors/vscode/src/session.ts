@@ -5,9 +5,10 @@ import * as vscode from "vscode";
 import {
     type BaseLanguageClient,
     type ClientCapabilities,
-    type ExecuteCommandSignature,
+    ExecuteCommandRequest,
     type FeatureState,
     type LanguageClientOptions,
+    type ServerCapabilities,
     State,
     type StaticFeature,
 } from "vscode-languageclient";
@@ -34,7 +35,7 @@ export class ServerMissing extends Error {}
 /** The documents that the server knows. */
 const SELECTOR = LANGUAGES.map((language) => ({ language }));
 
-/** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
+/** The command, which the session hands to the server where the preview is a window: its arguments are a document's URI and, perhaps, a view. */
 const PREVIEW = "geotrace.preview";
 
 /** The notification of where the cursor stands: the preview highlights what is declared there. */
@@ -109,6 +110,7 @@ class Session implements vscode.Disposable {
             this.status,
             this.output,
             vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
+            vscode.commands.registerCommand(PREVIEW, (wanted?: unknown, view?: unknown) => this.preview(wanted, view)),
             vscode.commands.registerCommand("geotrace.previewToSide", (uri?: vscode.Uri) => this.openPanel(uri)),
             vscode.window.onDidChangeVisibleTextEditors((editors) => this.saw(editors)),
             // Another language makes a new document of one that an editor shows.
@@ -157,7 +159,7 @@ class Session implements vscode.Disposable {
         try {
             const { client, version } = await this.host.connect(this.clientOptions(), this.output);
             client.onDidChangeState(({ newState }) => this.changed(newState, version));
-            client.registerFeature(new WantsShown());
+            client.registerFeature(new PreviewFeature());
             client.onNotification("geotrace/shown", (shown: Shown) => {
                 this.shown.set(shown.uri, shown);
             });
@@ -194,26 +196,46 @@ class Session implements vscode.Disposable {
             documentSelector: SELECTOR,
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
-            middleware: {
-                executeCommand: async (command: string, given: unknown[], next: ExecuteCommandSignature) => {
-                    if (command !== PREVIEW) {
-                        return next(command, given);
-                    }
-                    if (this.isInPanel()) {
-                        const [wanted, view] = given;
-                        const uri = typeof wanted === "string" ? vscode.Uri.parse(wanted) : wanted;
-                        return uri instanceof vscode.Uri ? this.openPanel(uri, isView(view) ? view : undefined) : this.openPanel();
-                    }
-                    if (given[0] instanceof vscode.Uri) {
-                        // From the explorer the file may not be open, and the server knows open documents only.
-                        await vscode.window.showTextDocument(given[0]);
-                    }
-                    // It may not have moved since the document was opened.
-                    this.tellCursor(vscode.window.activeTextEditor);
-                    return next(command, this.previewArguments(given));
-                },
-            },
         };
+    }
+
+    /**
+     * Opens the preview of a document, or of the active editor's. A lens gives the address as a text and a view, a menu gives a
+     * `Uri` and what else it has, the palette and a key give nothing.
+     */
+    private async preview(wanted: unknown, view: unknown): Promise<void> {
+        const named = typeof wanted === "string" ? vscode.Uri.parse(wanted) : wanted instanceof vscode.Uri ? wanted : undefined;
+        const uri = named ?? vscode.window.activeTextEditor?.document.uri;
+        if (uri === undefined) {
+            return;
+        }
+        const views = isView(view) ? [view] : [];
+        if (this.isInPanel()) {
+            return this.openPanel(uri, ...views);
+        }
+        await this.turn;
+        const { client } = this;
+        if (client === undefined || client.needsStart()) {
+            this.offerPanel(uri, ...views);
+            return;
+        }
+        if (wanted instanceof vscode.Uri) {
+            // From the explorer the file may not be open, and the server knows open documents only.
+            await vscode.window.showTextDocument(wanted);
+        }
+        // It may not have moved since the document was opened.
+        this.tellCursor(vscode.window.activeTextEditor);
+        const document = client.code2ProtocolConverter.asUri(uri);
+        await client.sendRequest(ExecuteCommandRequest.type, { command: PREVIEW, arguments: [document, ...views] });
+    }
+
+    /** Says why no window can be opened; the panel needs no server. */
+    private offerPanel(uri: vscode.Uri, view?: View): void {
+        const panel = "Open in a Panel";
+        // Not awaited: the command is done.
+        void vscode.window.showErrorMessage(this.status.detail ?? "", panel).then((choice) => {
+            return choice === panel ? this.openPanel(uri, view) : undefined;
+        });
     }
 
     /** Whether the preview is a panel of VS Code, and not a window. */
@@ -251,16 +273,6 @@ class Session implements vscode.Disposable {
         }
     }
 
-    /** From the palette, a key or the title bar the command comes without what the server needs: a document. */
-    private previewArguments(given: unknown[]): unknown[] {
-        if (typeof given[0] === "string") {
-            return given;
-        }
-        const named = given[0] instanceof vscode.Uri ? given[0] : undefined;
-        const uri = named ?? vscode.window.activeTextEditor?.document.uri;
-        return uri === undefined ? [] : [this.client?.code2ProtocolConverter.asUri(uri) ?? uri.toString()];
-    }
-
     /** Tells where the cursor stands, some moves at once. */
     private cursorMoved(editor: vscode.TextEditor): void {
         if (isProgram(editor.document)) {
@@ -282,7 +294,6 @@ class Session implements vscode.Disposable {
     }
 
     private changed(state: State, version: string): void {
-        void vscode.commands.executeCommand("setContext", "geotrace.running", state === State.Running);
         if (state === State.Running) {
             this.show(`running, version ${version}`, false);
         } else if (state === State.Starting) {
@@ -310,10 +321,16 @@ function isView(given: unknown): given is View {
     return typeof given === "object" && given !== null && "view" in given && typeof given.view === "string";
 }
 
-/** Says that this editor wants to hear of each picture of a preview. */
-class WantsShown implements StaticFeature {
+/** Says that this editor wants to hear of each picture of a preview, and leaves the preview's command to the session. */
+class PreviewFeature implements StaticFeature {
     fillClientCapabilities(capabilities: ClientCapabilities): void {
         capabilities.experimental = { ...capabilities.experimental, geotrace: { shown: true } };
+    }
+
+    preInitialize({ executeCommandProvider: provider }: ServerCapabilities): void {
+        if (provider !== undefined) {
+            provider.commands = provider.commands.filter((command) => command !== PREVIEW);
+        }
     }
 
     initialize(): void {}

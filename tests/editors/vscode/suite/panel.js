@@ -77,6 +77,7 @@ exports["the command opens the panel where the setting says so, and it closes wi
     await vscode.commands.executeCommand("geotrace.preview");
     const uri = document.uri.toString();
     await eventually("the first picture", () => api.panels().shown(uri) !== undefined);
+    await vscode.commands.executeCommand("geotrace.preview", uri, { view: "geodesic", surface: "s" });
     const tab = vscode.window.tabGroups.all.flatMap((group) => group.tabs).find((it) => it.label === "Preview four.gtr");
     await vscode.window.tabGroups.close(tab);
     await eventually("its end", () => api.panels().shown(uri) === undefined);

@@ -118,6 +118,10 @@ exports["a program that is not there is told of, and nothing hangs"] = async () 
     const before = settings.get("server.path");
     await settings.update("server.path", "/no/such/geotrace", vscode.ConfigurationTarget.Global);
     await eventually("the sentence", () => /not running/.test(api.status()));
+    // The commands are there, and say why they do nothing.
+    await open("point p = (1, 2, 3);");
+    await ask("geotrace.preview");
+    await ask("geotrace.exportPicture");
     await settings.update("server.path", before, vscode.ConfigurationTarget.Global);
     await eventually("the server", () => /running, version/.test(api.status()));
 };
