@@ -24,7 +24,8 @@ export function activate(context: vscode.ExtensionContext): Promise<Api> {
         }),
     );
     return start(context, {
-        hasWindows: true,
+        // The program runs on a host that may be another machine.
+        hasWindows: process.platform !== "linux" || Boolean(process.env.DISPLAY || process.env.WAYLAND_DISPLAY),
         async connect(options, output) {
             const server = await find();
             output.info(`${server.path} (from ${server.from}), version ${server.version}`);

@@ -19,7 +19,7 @@ import { LANGUAGES, Panels, type View, isProgram } from "./panel";
 export interface Host {
     /** Makes a client of the server. It throws a `ServerMissing` with a sentence for the user. */
     connect(options: LanguageClientOptions, output: vscode.LogOutputChannel): Promise<Connected>;
-    /** Whether the server opens windows. Else the preview is always a panel. */
+    /** Whether the server can open windows. Else the preview is always a panel. */
     hasWindows: boolean;
 }
 
@@ -196,7 +196,21 @@ class Session implements vscode.Disposable {
             documentSelector: SELECTOR,
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
+            middleware: {
+                workspace: {
+                    didChangeConfiguration: async (sections, next) => {
+                        await (this.host.hasWindows ? next(sections) : this.tellSettings());
+                    },
+                },
+            },
         };
+    }
+
+    /** Tells the settings of a host without windows: the server must not open one with each document. */
+    private async tellSettings(): Promise<void> {
+        const { preview, ...settings } = JSON.parse(JSON.stringify(vscode.workspace.getConfiguration().get("geotrace")));
+        const geotrace = { ...settings, preview: { ...preview, in: "panel" } };
+        await this.client?.sendNotification("workspace/didChangeConfiguration", { settings: { geotrace } });
     }
 
     /**

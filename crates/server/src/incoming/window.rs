@@ -291,7 +291,7 @@ impl PreviewWindow {
     }
 
     /// Removes a window that has ended. If its end was not requested, the user gets a message. A window that has never
-    /// sent a greeting gets one whatever its exit status.
+    /// sent a greeting gets one whatever its exit status, without the hope that another one may.
     async fn gone(&self, gone: Gone, greeted: bool) {
         let known = lock(&self.session)
             .previews
@@ -307,7 +307,7 @@ impl PreviewWindow {
         }
         let because = gone.reason.map(|reason| format!(": {reason}"));
         let message = format!(
-            "The preview window of {} has ended ({}){} The command opens it again.",
+            "The preview window of {} has ended ({}){}{}",
             name(&self.uri),
             gone.status,
             because.map_or_else(
@@ -321,6 +321,11 @@ impl PreviewWindow {
                     because + end
                 }
             ),
+            if greeted {
+                " The command opens it again."
+            } else {
+                ""
+            },
         );
         self.client
             .show_message(lsp::MessageType::ERROR, message)

@@ -83,3 +83,20 @@ exports["the command opens the panel where the setting says so, and it closes wi
     await eventually("its end", () => api.panels().shown(uri) === undefined);
     await settings.update("preview.in", undefined, vscode.ConfigurationTarget.Workspace);
 };
+
+exports["where there is no display the preview is a panel"] = async () => {
+    // In a browser there is no process.
+    const { DISPLAY, WAYLAND_DISPLAY } = globalThis.process?.env ?? {};
+    if (DISPLAY || WAYLAND_DISPLAY) {
+        return;
+    }
+    const settings = vscode.workspace.getConfiguration("geotrace");
+    await settings.update("preview.open", "onOpen", vscode.ConfigurationTarget.Workspace);
+    const first = await openAs("five.gtr", SPHERE);
+    const api = await vscode.extensions.getExtension("geotrace.geotrace").activate();
+    await eventually("the first picture", () => api.panels().shown(first.uri.toString()) !== undefined);
+    await settings.update("preview.open", undefined, vscode.ConfigurationTarget.Workspace);
+    const second = await openAs("six.gtr", SPHERE);
+    await vscode.commands.executeCommand("geotrace.preview");
+    await eventually("the first picture", () => api.panels().shown(second.uri.toString()) !== undefined);
+};
