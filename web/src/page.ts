@@ -102,7 +102,9 @@ export class Page {
     /** Opens what the link says, else what was open before, else the first program. */
     async begin(): Promise<void> {
         const kept = store.current();
-        if (await this.followLink()) {
+        // Loaded again in the same tab, the program has the settings that were chosen since.
+        const isAgain = kept?.link !== undefined && kept.link === location.hash;
+        if (!isAgain && (await this.followLink())) {
             if (kept !== undefined && kept.text !== this.editor.text) {
                 this.remember(kept);
             }
@@ -189,7 +191,7 @@ export class Page {
 
     private keepNow(): void {
         clearTimeout(this.saving);
-        if (!store.keep(this.kept()) && this.isOwn) {
+        if (!store.keep({ ...this.kept(), link: location.hash }) && this.isOwn) {
             say("This browser has no space to store the program. Save it as a file before you close the page.", { bad: true });
         }
     }

@@ -9,6 +9,8 @@ export interface Kept {
     settings?: Settings;
     /** The tab that had it open when another one took its place. */
     tab?: string;
+    /** What stood behind `#` in the address while this tab had it open. */
+    link?: string;
 }
 
 const CURRENT = "geotrace.program";
@@ -53,8 +55,8 @@ export function current(): Kept | undefined {
 }
 
 /** Keeps the program of this tab; returns false if there is no room for it. That of another tab is remembered. */
-export function keep(program: Kept): boolean {
-    const isKept = write(session, CURRENT, program);
+export function keep({ link, ...program }: Kept): boolean {
+    const isKept = write(session, CURRENT, { ...program, link });
     const last = read<Kept>(local, CURRENT);
     if (isProgram(last) && last.tab !== tab && last.text !== program.text) {
         remember(last);

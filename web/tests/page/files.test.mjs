@@ -108,6 +108,24 @@ test("what was typed is there after a reload, and a link does not take it away",
     await state.close(page);
 });
 
+test("what was chosen for a program from a link is there after a reload, and not in another tab", async () => {
+    const page = await state.open(link(SPHERE));
+    const context = page.context();
+    await page.getByRole("textbox", { name: "Value of r" }).fill("1.4");
+    await page.keyboard.press("Enter");
+    await page.locator(".head .name").fill("mine.gtr");
+    await page.keyboard.press("Enter");
+    await page.reload();
+    await settled(page);
+    assert.equal(await page.getByRole("textbox", { name: "Value of r" }).inputValue(), "1.4");
+    assert.equal(await page.locator(".head .name").inputValue(), "mine.gtr");
+    const other = await context.newPage();
+    await other.goto(state.server.url + link(SPHERE));
+    await settled(other);
+    assert.equal(await other.getByRole("textbox", { name: "Value of r" }).inputValue(), "1");
+    await state.close(page);
+});
+
 /** The programs that were open before, as the browser has them. */
 const recent = (page) => page.evaluate(() => JSON.parse(localStorage["geotrace.recent"] ?? "[]").map((it) => it.text));
 
