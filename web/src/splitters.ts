@@ -45,6 +45,12 @@ export function columns(panes: HTMLElement, column: HTMLElement, program: HTMLEl
     });
     high.measure = () => column.lastElementChild?.clientHeight ?? 0;
     program.after(high.element);
+    const told = new ResizeObserver(() => {
+        wide.tell(panes.clientWidth);
+        high.tell(column.clientHeight);
+    });
+    told.observe(column);
+    told.observe(program);
     const { column: width, settings: height } = kept();
     if (typeof width === "number") {
         panes.style.setProperty("--column", `min(${width}px, calc(100vw - 245px))`);
@@ -62,7 +68,12 @@ function line(orientation: "vertical" | "horizontal", label: string, place: (by:
         "aria-orientation": orientation,
         "aria-label": label,
     });
-    const result = { element, measure: () => 0 };
+    const result = {
+        element,
+        measure: () => 0,
+        /** Tells a screen reader where the line stands, in percent. */
+        tell: (whole: number) => element.setAttribute("aria-valuenow", String(Math.round((100 * result.measure()) / whole) || 0)),
+    };
     const to = (value: number) => element.dispatchEvent(new CustomEvent("resize-to", { detail: Math.round(value) }));
     element.addEventListener("pointerdown", (down) => {
         element.setPointerCapture(down.pointerId);

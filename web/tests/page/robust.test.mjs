@@ -181,6 +181,31 @@ test("a button that is pressed keeps the focus, and a view that is closed leaves
     await state.close(page);
 });
 
+test("with the system's colours what is on, chosen or has the focus looks different", async () => {
+    const page = await state.open(link(SPHERE), { forcedColors: "active" });
+    const styles = (locator) =>
+        locator.evaluate((element) => {
+            const { backgroundColor, outlineStyle } = getComputedStyle(element);
+            return `${backgroundColor} ${outlineStyle}`;
+        });
+    const chip = page.getByRole("button", { name: "Geodesic view of s", exact: true });
+    const open = await styles(chip);
+    await chip.click();
+    await page.mouse.move(0, 0);
+    assert.notEqual(await styles(chip), open);
+    assert.notEqual(await styles(page.getByRole("tab", { name: "Params" })), await styles(page.getByRole("tab", { name: "Objects" })));
+    const splitter = page.getByRole("separator", { name: "Width of the program" });
+    const before = await styles(splitter);
+    const old = Number(await splitter.getAttribute("aria-valuenow"));
+    await page.locator(".head .name").focus();
+    await splitter.focus();
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("ArrowRight");
+    assert.notEqual(await styles(splitter), before);
+    await page.waitForFunction((value) => document.querySelector("[role=separator][aria-orientation=vertical]").ariaValueNow > value, old);
+    await state.close(page);
+});
+
 test("on a phone the panes are tabs, and everything is large enough for a finger", async () => {
     const page = await state.open(link(SPHERE), { isPhone: true });
     const sizes = () =>
