@@ -382,6 +382,7 @@ fn every_list_of_words_is_that_of_the_language() {
     let maps: BTreeSet<&str> = MapWord::ALL.map(MapWord::text).into();
     let vim = "editors/neovim/syntax/geotrace.vim";
     let vscode = "editors/vscode/syntaxes/geotrace.tmLanguage.json";
+    let indentation = "editors/vscode/language-configuration.json";
     let tree_sitter = "editors/tree-sitter/queries/highlights.scm";
     for (path, start, end, expected) in [
         ("README.md", "functions are `", "`", &functions),
@@ -419,6 +420,15 @@ fn every_list_of_words_is_that_of_the_language() {
             ")",
             &keywords,
         ),
+        (
+            indentation,
+            r#"increaseIndentPattern": "^\\s*(("#,
+            ")",
+            &keywords,
+        ),
+        (indentation, r")\\b|(", ")", &soft),
+        (indentation, r"[)\\]}]|(", ")", &soft),
+        (indentation, "[=(]|(", ")", &keywords),
         (tree_sitter, "any-of? @function.builtin", ")", &functions),
         (tree_sitter, "any-of? @constant.builtin", ")", &constants),
         (

@@ -201,6 +201,29 @@ exports["formatting lays the text out"] = async () => {
     assert.strictEqual(document.getText(), "define a = 1;\ndefine b = a + 1;\n");
 };
 
+exports["the lines of a declaration are indented once, by Enter and by Reindent Lines"] = async () => {
+    const document = await open("");
+    const lines = [
+        "surface s(u, v) = (u, v, u v),",
+        "    u : [-1, 1],",
+        "    v : [-1, 1];",
+        "solid b(x, y, z) = x^2 + y^2 + z^2 - 1,",
+        "    mirror : 0.5;",
+        "point p = (1, 2, 3);",
+    ];
+    for (const [at, line] of lines.entries()) {
+        // VS Code indents a line where it has read the ones above, which it does after a key.
+        await new Promise((resolve) => setTimeout(resolve, 50));
+        await ask("type", { text: at === 0 ? "" : "\n" });
+        await ask("type", { text: line.trim() });
+    }
+    assert.strictEqual(document.getText().replaceAll("\r", ""), lines.join("\n"));
+    const flat = new vscode.Range(0, 0, document.lineCount, 0);
+    await edit(document, flat, lines.map((line) => line.trim()).join("\n"));
+    await ask("editor.action.reindentlines");
+    assert.strictEqual(document.getText().replaceAll("\r", ""), lines.join("\n"));
+};
+
 exports["a quick fix mends a mistake"] = async () => {
     const document = await open("define b = sinn 2;");
     await eventually("a diagnostic", () => found(document).length > 0);
