@@ -52,9 +52,9 @@ export async function readImage(file: File): Promise<ArrayBuffer> {
     return file.arrayBuffer();
 }
 
-/** A file's name with the extension of a language. */
+/** A file's name with the extension of a language, without characters that divide a path or are not seen. */
 export function named(name: string): string {
-    const trimmed = name.trim().replaceAll(/[\\/]/g, "-").slice(0, 100) || "untitled.gtr";
+    const trimmed = name.trim().replaceAll(/[\\/\p{Cc}\p{Cf}]/gu, "-").slice(0, 100) || "untitled.gtr";
     if (/\.(gtr|crt)$/i.test(trimmed)) {
         return trimmed.replace(/\.\w+$/, (end) => end.toLowerCase());
     }

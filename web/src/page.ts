@@ -161,7 +161,7 @@ export class Page {
             if (shared === undefined) {
                 return false;
             }
-            this.open(shared, false);
+            this.open({ ...shared, name: named(shared.name) }, false);
             return true;
         } catch (error) {
             if (!(error instanceof LinkError)) {

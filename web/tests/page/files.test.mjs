@@ -93,6 +93,15 @@ test("a broken link gives a sentence, and the page works", async () => {
     }
 });
 
+test("a link cannot name a file of another kind", async () => {
+    for (const [name, seen] of [["setup.bat", "setup.bat.gtr"], ["a\u202erth.gtr.exe", "a-rth.gtr.exe.gtr"], ["a/b.GTR", "a-b.gtr"]]) {
+        const page = await state.open(link(SPHERE, undefined, name));
+        assert.equal((await download(page, () => page.keyboard.press("ControlOrMeta+s"))).name, seen);
+        assert.equal(await page.locator(".head .name").inputValue(), seen);
+        await state.close(page);
+    }
+});
+
 test("what was typed is there after a reload, and a link does not take it away", async () => {
     const page = await state.open();
     await write(page, SPHERE.replace("0.5, 2", "0.25, 2"));
