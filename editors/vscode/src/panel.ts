@@ -213,12 +213,15 @@ class Panel {
     }
 
     private async save(name: string, base64: string): Promise<void> {
-        const { uri } = this.document;
-        const folder = vscode.Uri.joinPath(uri.scheme === "untitled" ? vscode.Uri.file("/untitled") : uri, "..");
-        const defaultUri = vscode.Uri.joinPath(folder, name.replaceAll(/.*[\\/]/g, ""));
-        const target = await vscode.window.showSaveDialog({ defaultUri });
-        if (target !== undefined) {
+        const target = await askForPicture(this.document.uri, name.replaceAll(/.*[\\/]/g, ""));
+        if (target === undefined) {
+            return;
+        }
+        try {
             await vscode.workspace.fs.writeFile(target, Uint8Array.from(atob(base64), (byte) => byte.charCodeAt(0)));
+        } catch (error) {
+            const reason = error instanceof Error ? error.message : String(error);
+            void vscode.window.showErrorMessage(`The picture was not written: ${reason}`);
         }
     }
 
@@ -261,6 +264,14 @@ class Panel {
         const offset = this.document.offsetAt(position);
         return this.document.eol === vscode.EndOfLine.LF ? offset : offset - position.line;
     }
+}
+
+/** Asks where to save a picture of a document: beside it, or in the folder that is open where nothing can be written there. */
+export function askForPicture(document: vscode.Uri, name: string): Thenable<vscode.Uri | undefined> {
+    const isWritable = vscode.workspace.fs.isWritableFileSystem(document.scheme);
+    const folder = isWritable ? vscode.Uri.joinPath(document, "..") : vscode.workspace.workspaceFolders?.[0]?.uri;
+    const place = folder === undefined ? {} : { defaultUri: vscode.Uri.joinPath(folder, name) };
+    return vscode.window.showSaveDialog({ ...place, filters: { PNG: ["png"] } });
 }
 
 /** The last part of a document's path. */

@@ -1,8 +1,9 @@
 // The command that writes a picture of a program as a file. It needs the program `geotrace`, but no language server.
 
 import { execFile } from "node:child_process";
-import { basename, dirname, extname, join } from "node:path";
+import { basename, dirname, extname } from "node:path";
 import * as vscode from "vscode";
+import { askForPicture } from "./panel";
 
 /**
  * Writes the 3D view of a program as a PNG file, with edits that are not saved. Without a document it is the active
@@ -14,7 +15,7 @@ export async function exportPicture(program: string, source?: vscode.Uri, target
         return;
     }
     const document = await vscode.workspace.openTextDocument(uri);
-    const file = target ?? (await askForTarget(document.uri));
+    const file = target ?? (await askForPicture(document.uri, `${basename(uri.path, extname(uri.path))}.png`));
     if (file === undefined) {
         return;
     }
@@ -32,13 +33,6 @@ export async function exportPicture(program: string, source?: vscode.Uri, target
         }
         return undefined;
     });
-}
-
-function askForTarget(document: vscode.Uri): Thenable<vscode.Uri | undefined> {
-    const name = `${basename(document.path, extname(document.path))}.png`;
-    const defaultUri =
-        document.scheme === "file" ? vscode.Uri.joinPath(document, "..", name) : vscode.Uri.file(join("/", name));
-    return vscode.window.showSaveDialog({ defaultUri, filters: { PNG: ["png"] } });
 }
 
 /** What went wrong, if anything did, and what the picture lacks, as sentences. */
