@@ -2,7 +2,7 @@
 // version becomes a sentence that says what to do.
 
 import { execFile } from "node:child_process";
-import { access, constants } from "node:fs/promises";
+import { access, constants, stat } from "node:fs/promises";
 import { delimiter, isAbsolute, join } from "node:path";
 import { promisify } from "node:util";
 import { ServerMissing } from "./session";
@@ -20,7 +20,8 @@ const program = process.platform === "win32" ? "geotrace.exe" : "geotrace";
 async function isProgram(path: string): Promise<boolean> {
     try {
         await access(path, constants.X_OK);
-        return true;
+        // A folder has that right too.
+        return (await stat(path)).isFile();
     } catch {
         return false;
     }
@@ -64,7 +65,7 @@ export async function findServer(setting: string, extensionFolder: string, wante
             throw new ServerMissing(`The setting geotrace.server.path, "${path}", must be an absolute path.`);
         }
         if (!(await isProgram(path))) {
-            throw new ServerMissing(`The program ${path}, named by the setting geotrace.server.path, does not exist.`);
+            throw new ServerMissing(`${path}, named by the setting geotrace.server.path, is not a program that can be run.`);
         }
     } else if (await isProgram(bundled)) {
         from = "the extension";
