@@ -551,16 +551,19 @@ export class Page {
 
     private key(event: KeyboardEvent): void {
         const isControl = (event.ctrlKey || event.metaKey) && !event.altKey && !event.shiftKey;
-        if (isControl && letter(event) === "s") {
+        const isOver = document.querySelector("dialog[open]") !== null;
+        const commands: Record<string, () => void> = {
+            "Control s": () => this.saveFile(),
+            "Control o": () => chooseFile(PROGRAMS, (file) => void this.openFile(file)),
+            F1: () => isOver || openHelp(this.scene),
+        };
+        const command = commands[isControl ? `Control ${letter(event)}` : event.key];
+        if (command !== undefined) {
             event.preventDefault();
-            this.saveFile();
-        } else if (isControl && letter(event) === "o") {
-            event.preventDefault();
-            chooseFile(PROGRAMS, (file) => void this.openFile(file));
-        } else if (event.key === "F1") {
-            event.preventDefault();
-            openHelp(this.scene);
-        } else if (event.target === document.body && !document.querySelector("dialog[open]")) {
+            if (!event.repeat) {
+                command();
+            }
+        } else if (event.target === document.body && !isOver) {
             // Where nothing has the focus, keys move the camera of the last picture.
             this.views.current()?.press(event);
         }

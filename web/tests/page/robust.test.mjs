@@ -98,6 +98,25 @@ test("notices are heard and closed, also where a dialog is open", async () => {
     await state.close(page);
 });
 
+test("a key that is held saves once, and opens one dialog", async () => {
+    const page = await state.open(link(SPHERE));
+    let downloads = 0;
+    page.on("download", () => (downloads += 1));
+    await page.keyboard.down("Control");
+    for (let k = 0; k < 4; k += 1) {
+        await page.keyboard.down("s");
+    }
+    await page.keyboard.up("s");
+    await page.keyboard.up("Control");
+    await page.keyboard.press("F1");
+    await page.keyboard.press("F1");
+    assert.equal(await page.locator("dialog[open]").count(), 1);
+    await page.keyboard.press("Escape");
+    await page.waitForTimeout(500);
+    assert.equal(downloads, 1);
+    await state.close(page);
+});
+
 test("copies of the page in two folders work without a network, and other pages there go as they came", async () => {
     const folder = mkdtempSync(join(tmpdir(), "geotrace-page-"));
     for (const name of ["one", "two"]) {
