@@ -1,6 +1,6 @@
 // Dialogs, menus and notices: small windows over the page, which Escape closes.
 
-import { button, make } from "./dom.ts";
+import { button, keys, make } from "./dom.ts";
 
 /** Opens a dialog over the page; it is gone when it is closed. */
 export function openDialog(title: string, body: (Node | string)[], { wide = false } = {}): HTMLDialogElement {
@@ -101,13 +101,13 @@ export function menu(opener: HTMLButtonElement, entries: () => (MenuEntry | unde
     document.body.append(list);
 }
 
-function item({ label, keys, press }: MenuEntry, list: HTMLElement): HTMLElement {
+function item({ label, keys: shortcut, press }: MenuEntry, list: HTMLElement): HTMLElement {
     const run = () => {
         list.hidePopover();
         press();
     };
     const properties = { type: "button", role: "menuitem", onclick: run };
-    return make("button", properties, label, keys !== undefined && make("kbd", {}, keys));
+    return make("button", properties, label, shortcut !== undefined && make("kbd", {}, keys(shortcut)));
 }
 
 /** It is in the page before there is anything to say: what comes together with its first sentence is not read out. */

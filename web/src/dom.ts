@@ -103,6 +103,13 @@ export function refill(element: HTMLElement, ...children: Node[]): void {
     }
 }
 
+const isMac = /Mac|iP(hone|ad)/.test(navigator.platform);
+
+/** Returns keys as they are written on this system. On a Mac, Ctrl+Space is the same key: ⌘+Space is the system's. */
+export function keys(text: string): string {
+    return isMac ? text.replaceAll(/Ctrl(?!\+Space)/g, "⌘").replaceAll("Alt", "⌥") : text;
+}
+
 /** Gives the reader a file. */
 export function download(name: string, content: BlobPart, type: string): void {
     save(name, new Blob([content], { type }));

@@ -15,7 +15,6 @@ import {
     moveCompletionSelection,
     selectedCompletion,
     snippet,
-    startCompletion,
 } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap, indentLess, insertTab, toggleLineComment } from "@codemirror/commands";
 import { bracketMatching, indentUnit } from "@codemirror/language";
@@ -288,7 +287,6 @@ export class Editor {
                     },
                     { key: "Mod-.", run: () => (void this.fixAll(), true) },
                     { key: "Mod-/", run: () => (this.toggleComment(), true) },
-                    { key: "Mod-Space", run: startCompletion },
                     // Tab moves on after Escape, as CodeMirror has it for those who use no mouse.
                     { key: "Tab", run: insertTab, shift: indentLess },
                     ...closeBracketsKeymap,

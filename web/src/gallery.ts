@@ -1,7 +1,7 @@
 // The gallery of examples and the help: what a reader begins with.
 
 import { openDialog } from "./dialogs.ts";
-import { button, make } from "./dom.ts";
+import { button, keys, make } from "./dom.ts";
 import { EXAMPLES, type Example } from "./examples.ts";
 import type { Scene } from "./protocol.ts";
 
@@ -88,8 +88,6 @@ export function openHelp(scene: Scene | undefined): void {
     const row = (cells: (Node | string)[]) => make("tr", {}, ...cells.map((cell) => make("td", {}, cell)));
     const head = (cells: string[]) => make("tr", {}, ...cells.map((cell) => make("th", { scope: "col" }, cell)));
     const code = (text: string) => make("code", {}, text);
-    const isMac = /Mac|iP(hone|ad)/.test(navigator.platform);
-    const keys = (text: string) => (isMac ? text.replaceAll("Ctrl", "⌘").replaceAll("Alt", "⌥") : text);
     openDialog(
         "Help",
         [

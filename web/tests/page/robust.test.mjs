@@ -117,6 +117,18 @@ test("a key that is held saves once, and opens one dialog", async () => {
     await state.close(page);
 });
 
+test("on a Mac, menus and the help name its keys", async () => {
+    const init = () => Object.defineProperty(Navigator.prototype, "platform", { get: () => "MacIntel" });
+    const page = await state.open(link(SPHERE), { init });
+    await page.getByRole("button", { name: "Edit", exact: true }).click();
+    assert.deepEqual(await page.locator(".menu kbd:visible").allTextContents(), ["⌘+F", "F2", "Shift+⌥+F", "⌘+/", "⌘+."]);
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("F1");
+    const help = await page.locator("dialog[open]").textContent();
+    assert.ok(help.includes("Ctrl+Space") && help.includes("⌘+Z"));
+    await state.close(page);
+});
+
 test("copies of the page in two folders work without a network, and other pages there go as they came", async () => {
     const folder = mkdtempSync(join(tmpdir(), "geotrace-page-"));
     for (const name of ["one", "two"]) {
