@@ -57,8 +57,8 @@ export interface Shown extends Finding {
 export interface EditorEvents {
     /** The text has changed; `isByHand` if the reader did it. */
     changed(isByHand: boolean): void;
-    /** What is wrong is shown. */
-    shown(findings: Shown[]): void;
+    /** Of all that is wrong, what is listed is shown. */
+    shown(findings: Shown[], all: Finding[]): void;
     /** Something cannot be done, as a sentence. */
     say(message: string): void;
     /** A name is to be replaced; returns the new one, or nothing. */
@@ -92,7 +92,7 @@ export class Editor {
         this.version += 1;
         this.edited = 0;
         this.view.setState(this.state(text));
-        this.events.shown([]);
+        this.events.shown([], []);
     }
 
     /** The mark that begins a comment, `null` where the language has none. */
@@ -107,7 +107,7 @@ export class Editor {
         }
         clearTimeout(this.timer);
         const pause = findings.length === 0 ? 0 : this.edited + PAUSE - performance.now();
-        this.timer = setTimeout(() => void this.show(version, findings.slice(0, SHOWN)), Math.max(0, pause));
+        this.timer = setTimeout(() => void this.show(version, findings), Math.max(0, pause));
     }
 
     /** Selects a range, brings it into view and goes there. */
@@ -201,7 +201,8 @@ export class Editor {
         }
     }
 
-    private async show(version: number, findings: Finding[]): Promise<void> {
+    private async show(version: number, all: Finding[]): Promise<void> {
+        const findings = all.slice(0, SHOWN);
         const fixable = findings.slice(0, FIXED);
         const asked = fixable.map(({ from, to }) => this.core.call("fixes", { from, to }).catch(() => []));
         const fixes = await Promise.all(asked);
@@ -218,7 +219,8 @@ export class Editor {
                 from,
                 to: Math.min(finding.to, doc.length),
                 line: line.number,
-                column: from - line.from + 1,
+                // In characters, as the command line counts them.
+                column: [...line.text.slice(0, from - line.from)].length + 1,
                 fix: own.find((fix) => fix.preferred),
                 version,
             };
@@ -237,7 +239,7 @@ export class Editor {
             };
         });
         this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
-        this.events.shown(shown);
+        this.events.shown(shown, all);
         // The list takes room from the text: what is being written stays in view.
         if (this.view.hasFocus) {
             this.view.dispatch({ effects: EditorView.scrollIntoView(this.view.state.selection.main.head) });

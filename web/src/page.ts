@@ -69,7 +69,7 @@ export class Page {
         const editorBox = make("div", { class: "editor" });
         this.editor = new Editor(editorBox, this.core, {
             changed: (isByHand) => this.edited(isByHand),
-            shown: (findings) => this.problems.set(findings),
+            shown: (findings, all) => this.problems.set(findings, all),
             say: (message) => say(message),
             askName: (old) => ask("Rename", `A new name for ${old}`, old),
         });

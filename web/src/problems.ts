@@ -3,7 +3,7 @@
 import { button, icon, make } from "./dom.ts";
 import type { Shown } from "./editor.ts";
 import { inline } from "./markdown.ts";
-import type { Fix, TextRange } from "./protocol.ts";
+import type { Finding, Fix, TextRange } from "./protocol.ts";
 
 export interface ProblemsEvents {
     /** A place is to be shown. */
@@ -20,19 +20,20 @@ export class Problems {
     readonly badge = make("span", { class: "count", hidden: true });
 
     constructor(private readonly events: ProblemsEvents) {
-        this.set([]);
+        this.set([], []);
     }
 
-    /** Lists what is wrong. */
-    set(findings: Shown[]): void {
-        const errors = findings.filter((it) => it.severity === "error").length;
+    /** Lists what is wrong, and counts all of it. */
+    set(findings: Shown[], all: Finding[]): void {
+        const errors = all.filter((it) => it.severity === "error").length;
         const count = (number: number, word: string) => (number === 0 ? [] : [`${number} ${word}${number === 1 ? "" : "s"}`]);
-        const text = [...count(errors, "error"), ...count(findings.length - errors, "warning")].join(", ");
+        const listed = findings.length < all.length ? [`${findings.length} of them listed`] : [];
+        const text = [...count(errors, "error"), ...count(all.length - errors, "warning"), ...listed].join(", ");
         this.count.textContent = text === "" ? "No problems" : text;
         this.count.className = errors > 0 ? "bad" : "";
-        this.badge.hidden = findings.length === 0;
-        this.badge.textContent = String(findings.length);
-        this.element.hidden = findings.length === 0;
+        this.badge.hidden = all.length === 0;
+        this.badge.textContent = String(all.length);
+        this.element.hidden = all.length === 0;
         this.element.replaceChildren(...findings.map((finding) => this.row(finding)));
     }
 

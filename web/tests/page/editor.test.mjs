@@ -30,6 +30,18 @@ test("a mistake is shown with its place and sentence, and the picture stays", as
     await state.close(page);
 });
 
+test("all mistakes are counted, in lines and characters", async () => {
+    const page = await state.open(link(SPHERE));
+    await write(page, `${"define a = b;\n".repeat(249)}define 𝛼 = b;`);
+    await page.locator(".status .bad", { hasText: "of them listed" }).waitFor();
+    const said = await page.locator(".status .bad").textContent();
+    assert.match(said, /^\d+ errors, 200 of them listed$/);
+    assert.ok(Number.parseInt(said, 10) >= 250, said);
+    await write(page, "define a = 𝛼 + b;");
+    await page.locator(".problems .place", { hasText: "1:16" }).waitFor();
+    await state.close(page);
+});
+
 test("mistakes wait for a pause, and go at once", async () => {
     const page = await state.open(link(SPHERE));
     await page.locator(".cm-content").click();
