@@ -126,7 +126,10 @@ module.exports = grammar({
         _put: ($) => choice($.placed, $._atom),
         placed: ($) => prec.left(seq($._put, "@", choice($.map, field("place", $._expression)))),
         // A declared name is written alone.
-        map: ($) => seq(choice("scale", "rotate"), optional($._unary)),
+        map: ($) => seq(choice("scale", "rotate"), optional($._argument)),
+        _argument: ($) => choice($._unary, alias($.application, $.juxtaposition)),
+        // A function without parentheses: `scale sqrt 2`.
+        application: ($) => seq(choice($.word, $.derivative, $.component, $.power), $._argument),
         _atom: ($) => choice($.word, $.group),
         group: ($) => choice(seq("(", $._set, ")"), seq("[", $._set, "]"), seq("{", $._set, "}")),
 

@@ -463,6 +463,11 @@ test("the tree-sitter grammar reads solids, and their words are names elsewhere"
   local placed = "(placed (placed (word) (map (number))) place: (word))"
   local wanted = "(difference (word) (intersection " .. placed .. " (group (union (word) (word)))))"
   equal(set:sexpr(), "(program (solid name: (word) value: " .. wanted .. "))")
+  -- Functions without parentheses.
+  local map = treesitter("solid s = a @ scale sqrt sin^2 -k @ rotate r;")
+  wanted = "(juxtaposition (word) (juxtaposition (power (word) (number)) (unary (word))))"
+  placed = "(placed (placed (word) (map " .. wanted .. ")) (map (word)))"
+  equal(map:sexpr(), "(program (solid name: (word) value: " .. placed .. "))")
   root_node, found = treesitter(names)
   assert(not root_node:has_error(), root_node:sexpr())
   for word, capture in pairs({ light = "constant", scale = "constant", rotate = "constant", solid = "function",
