@@ -241,6 +241,7 @@ test("a .crt file is a script, and a certificate is none", function()
   equal({ shown(0, 0), shown(0, 16), shown(0, 26), shown(2, 6), shown(2, 13), shown(4, 4) },
     { "variable", "property", "function", "keyword", "parameter", "keyword" })
   equal(#diagnostics(), 0)
+  equal(vim.filetype.match({ filename = "x.crt" }), "crt")
   local certificate = scratch .. "/certificate.crt"
   vim.fn.writefile({ "-----BEGIN CERTIFICATE-----", "MIIB==" }, certificate)
   vim.cmd.edit(certificate)
