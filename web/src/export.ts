@@ -25,7 +25,7 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
     select.append(...panes.map(({ info }) => make("option", { value: info.id }, info.title)));
     select.value = first.info.id;
     const side = (id: string, value: number, label: string) =>
-        make("input", { class: "number", type: "number", id, min: "1", max: "4096", step: "1", value: String(value), "aria-label": label });
+        make("input", { class: "number", type: "number", id, required: true, min: "1", max: "4096", step: "1", value: String(value), "aria-label": label });
     const { width = 800, height = 600 } = first.declared() ?? {};
     const [across, down] = [side("save-width", width, "Width in pixels"), side("save-height", height, "Height in pixels")];
     const save = make("button", { class: "button primary", type: "submit" }, "Save");

@@ -249,6 +249,8 @@ test("a picture is saved in its size", async () => {
     const page = await state.open(link(SPHERE));
     for (const [view, title] of [["3d", "3D view"], ["geodesic-s", "Geodesic view of s"]]) {
         await page.getByRole("button", { name: `Save a picture of ${title}` }).click();
+        await page.getByLabel("Width in pixels").fill("");
+        await page.getByRole("button", { name: "Save", exact: true }).click();
         await page.getByLabel("Width in pixels").fill("320");
         await page.getByLabel("Height in pixels").fill("200");
         const { name, bytes } = await download(page, () => page.getByRole("button", { name: "Save", exact: true }).click());
