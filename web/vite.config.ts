@@ -54,7 +54,8 @@ export default defineConfig({
     server: { fs: { allow: [".."] } },
     build: {
         outDir: "dist",
-        target: ["chrome111", "firefox115", "safari16.4"],
+        // The first with popovers, which the menus are.
+        target: ["chrome114", "firefox125", "safari17"],
         assetsInlineLimit: 0,
         modulePreload: { polyfill: false },
         rolldownOptions: {
