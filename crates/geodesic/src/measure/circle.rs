@@ -1,5 +1,6 @@
 //! A circle about a point, the wavefront: its length ∫|m|dθ and the area ∬|m| that its rays sweep.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
@@ -45,6 +46,10 @@ pub struct RayStop {
 /// The relative error allowed to the quadrature, and to the rays themselves.
 const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 2e-10;
+/// The maximum number of directions that are sought in which the creases on the way change.
+const MOST_BORDERS: usize = 64;
+/// They are located to this angle, in radians.
+const SHARP: f64 = 1e-12;
 /// The initial and the maximum number of the quadrature's intervals.
 const FIRST: u32 = 4;
 const MOST: usize = 120;
@@ -100,6 +105,9 @@ fn circle_on(
 ) -> Result<Result<Circle, RayStop>, MeasureError> {
     let source = RaySource::at(surface, uv)?;
     let mut passes_conjugate = false;
+    let mut passes_several = false;
+    // The angle of each ray, and the number of creases that it passes.
+    let passed: RefCell<Vec<(f64, usize)>> = RefCell::default();
     let mut pieces = BTreeSet::from([surface.smooth_piece(uv)]);
     let mut ray = |angle: f64| {
         let (end, trace) = source
@@ -113,13 +121,30 @@ fn circle_on(
             }));
         }
         pieces.insert(surface.smooth_piece(end.at));
+        passes_several |= trace.creases > 1;
+        passed.borrow_mut().push((angle, trace.creases));
         passes_conjugate |= trace.conjugates.iter().any(|s| *s < radius * (1.0 - 1e-9));
         Ok([end.m.abs(), absolute_integral(&trace.jacobi_knots)])
     };
     let breaks: Vec<f64> = (0..=FIRST)
         .map(|n| TAU * f64::from(n) / f64::from(FIRST))
         .collect();
-    let found = match quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray) {
+    let found = quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray).and_then(|found| {
+        // The length of the field jumps, or is unbounded, between rays that pass different creases.
+        let borders = crease_borders(passed.take(), |angle| {
+            let (_, trace) = source
+                .follow(angle, radius, true)
+                .map_err(CircleStop::Fault)?;
+            Ok(trace.creases)
+        })?;
+        if borders.is_empty() {
+            return Ok(found);
+        }
+        let mut breaks = [breaks.as_slice(), &borders].concat();
+        breaks.sort_by(f64::total_cmp);
+        quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray)
+    });
+    let found = match found {
         Ok(found) => found,
         Err(CircleStop::Ray(stop)) => return Ok(Err(stop)),
         Err(CircleStop::Fault(error)) => return Err(error),
@@ -132,13 +157,39 @@ fn circle_on(
         overlaps: if passes_conjugate {
             Some(true)
         } else {
-            // Where creases meet, rays may meet without a loop.
-            let may_have_vertex = pieces.len() > 2;
+            // Where creases meet, and behind a tip between two of them, rays may meet without a loop.
+            let may_have_vertex = pieces.len() > 2 || passes_several;
             meets_itself(&source, uv, radius)?.filter(|meets| *meets || !may_have_vertex)
         },
         circumference_error: error(0),
         area_error: error(1),
     }))
+}
+
+/// Returns the angles at which the number of creases that rays pass changes, from the numbers at some angles; `count` returns it
+/// at another one.
+fn crease_borders<E>(
+    mut passed: Vec<(f64, usize)>,
+    mut count: impl FnMut(f64) -> Result<usize, E>,
+) -> Result<Vec<f64>, E> {
+    passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut borders = Vec::new();
+    for pair in passed.windows(2) {
+        let [(mut low, here), (mut high, there)] = [pair[0], pair[1]];
+        if here == there || borders.len() == MOST_BORDERS {
+            continue;
+        }
+        while high - low > SHARP {
+            let middle = 0.5 * (low + high);
+            if count(middle)? == here {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        borders.push(0.5 * (low + high));
+    }
+    Ok(borders)
 }
 
 /// Returns whether two rays of a length meet, if that is known, neither of which has a conjugate point before. Where two first meet, they
