@@ -164,8 +164,10 @@ impl CellPlane {
         {
             return None;
         }
-        // The axis through the centre of the parallelogram.
+        // The axis through the centre of the parallelogram. Where the ray passes near that, the first difference is mostly
+        // rounding, and not across the ray.
         let across = offset + (along / ray.square()) * direction;
+        let across = across - (across.dot(direction) / ray.square()) * direction;
         let reached = across.dot(a).abs() + across.dot(b).abs() + across.abs().dot(error);
         if across.dot(offset)
             > (1.0 + MARGIN) * reached + ROUNDING * size.element_sum() * across.abs().element_sum()
