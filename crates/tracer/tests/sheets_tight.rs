@@ -1,5 +1,7 @@
 //! Rays do not pass through parametric surfaces.
 
+use std::f64::consts::{PI, TAU};
+
 use expr::{Graph, Input, NodeId};
 use glam::DVec3;
 use tracer::{Sheet, SheetScratch};
@@ -50,6 +52,42 @@ fn rays_through_the_middles_of_cells_meet_them_from_near_and_far() {
                     assert!(is_met, "{target} from {origin}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn rays_in_the_plane_of_a_seam_meet_a_closed_surface_from_inside() {
+    let [u, v, _] = &variables();
+    let mut scratch = SheetScratch::default();
+    let ball = [u.cos() * v.sin(), u.sin() * v.sin(), v.cos()];
+    let tube = &(2.0 + v.cos());
+    let torus = [tube * u.cos(), tube * u.sin(), v.sin()];
+    let cylinder = [u.cos(), u.sin(), v.clone()];
+    // A point inside, the surface, its domain, and how far away it is in the direction at this angle. It closes where y = 0.
+    type Distance = fn(f64) -> f64;
+    let surfaces: [(f64, [Formula; 3], [[f64; 2]; 2], Distance); 4] = [
+        (0.0, ball.clone(), [[-PI, PI], [0.0, PI]], |_| 1.0),
+        (0.0, ball, [[0.0, TAU], [0.0, PI]], |_| 1.0),
+        (-2.0, torus, [[-PI, PI]; 2], |_| 1.0),
+        (0.0, cylinder, [[-PI, PI], [-9.0, 9.0]], |angle| {
+            1.0 / angle.cos().abs()
+        }),
+    ];
+    for (x, components, domain, distance) in surfaces {
+        let surface = sheet(&components, domain);
+        for k in 0..360 {
+            let angle = f64::from(k).to_radians();
+            let direction = DVec3::new(angle.cos(), 0.0, angle.sin());
+            let distance = distance(angle);
+            // Beyond the ends of the cylinder.
+            if distance > 9.0 {
+                continue;
+            }
+            let hits = surface.cast(&mut scratch, x * DVec3::X, direction, None);
+            let first = hits.first().map(|hit| hit.t);
+            let is_met = first.is_some_and(|t| (t - distance).abs() < 1e-12);
+            assert!(is_met, "{x}, {direction}: {first:?}");
         }
     }
 }

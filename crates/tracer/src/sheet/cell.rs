@@ -184,13 +184,19 @@ impl CellPlane {
     }
 }
 
-/// The box of three sides, empty if one of them is.
+/// The box of three sides, empty if one of them is. It is larger than they are: where a surface closes, as at the angles 0 and
+/// 2π, the rounding of the angle leaves a gap that no ray may pass.
 fn around(sides: &[Interval; 3]) -> BoundingBox {
     if sides.iter().any(|side| side.is_empty()) {
         return BoundingBox::EMPTY;
     }
-    BoundingBox {
-        lower: DVec3::from_array(sides.map(Interval::lower)),
-        upper: DVec3::from_array(sides.map(Interval::upper)),
-    }
+    BoundingBox::of_ranges(sides.map(|side| {
+        let [lower, upper] = [side.lower(), side.upper()];
+        let room = MARGIN * (upper - lower) + ROUNDING * lower.abs().max(upper.abs());
+        if room.is_finite() {
+            [lower - room, upper + room]
+        } else {
+            [lower, upper]
+        }
+    }))
 }
