@@ -88,6 +88,10 @@ const SMALL: f64 = 1.0 / 48.0;
 const CELL_OPERATIONS: u64 = 16;
 /// The number of times that a cell is halved for a ray.
 const DEEPEST: u32 = 44;
+/// Places that differ by a smaller share of the surface are one.
+const SAME: f64 = 1e-9;
+/// The least sine of the angle between a ray and a speck of the surface that it meets.
+const TOUCHING: f64 = 1e-7;
 /// The number of parts of a cell that are examined for a ray.
 const MOST_PARTS: usize = 1 << 14;
 /// The number of cells whose halves are kept, of all surfaces together: they take some 100 MB.
@@ -214,7 +218,8 @@ impl Sheet {
         {
             return;
         }
-        if cell.depth == DEEPEST {
+        if cell.depth == DEEPEST || meeting.is_short == [true; 2] {
+            self.meet_speck(scratch, cell, ray, leaving);
             return;
         }
         let halve = |scratch: &mut SheetScratch| {
@@ -225,16 +230,23 @@ impl Sheet {
             });
             self.function.halve(scratch, cell, side)
         };
-        let kept = cell.halves.get_or_init(|| {
-            let is_room = self.halved.fetch_add(1, Ordering::Relaxed) < self.most_halved;
-            is_room.then(|| Box::new(scratch.once(halve)))
-        });
         let not_kept;
-        let halves = if let Some(kept) = kept {
-            &**kept
-        } else {
-            not_kept = halve(scratch);
+        let halves = if let [true, false] | [false, true] = meeting.is_short {
+            // For other rays the shorter side may be the one to halve.
+            let longer = usize::from(meeting.is_short[0]);
+            not_kept = self.function.halve(scratch, cell, longer);
             &not_kept
+        } else {
+            let kept = cell.halves.get_or_init(|| {
+                let is_room = self.halved.fetch_add(1, Ordering::Relaxed) < self.most_halved;
+                is_room.then(|| Box::new(scratch.once(halve)))
+            });
+            if let Some(kept) = kept {
+                &**kept
+            } else {
+                not_kept = halve(scratch);
+                &not_kept
+            }
         };
         for half in halves {
             self.meet(scratch, half, ray, leaving, reach, parts);
@@ -257,7 +269,7 @@ impl Sheet {
         let start = cell.start(slopes, meeting);
         match self.newton(scratch, cell, start, ray) {
             Newton::Ahead(hit) => {
-                scratch.add(hit);
+                self.add(scratch, hit, ray);
                 true
             }
             Newton::Behind => true,
@@ -267,6 +279,57 @@ impl Sheet {
             }
             Newton::Unknown => false,
         }
+    }
+
+    /// Adds the place where the ray meets a cell that is not halved any more, unless it touches the surface there. Such cells
+    /// remain at poles, and where the ray comes from so far away that rounding is larger than they are.
+    fn meet_speck(
+        &self,
+        scratch: &mut SheetScratch,
+        cell: &Cell,
+        ray: &SheetRay,
+        leaving: Option<[f64; 2]>,
+    ) {
+        if leaving.is_some_and(|uv| cell.contains(uv)) {
+            return;
+        }
+        let middle = cell.sides.map(|[a, b]| 0.5 * (a + b));
+        if let Newton::Ahead(hit) = self.newton(scratch, cell, middle, ray)
+            && hit.normal.dot(ray.direction).abs() > TOUCHING * ray.square().sqrt()
+        {
+            self.add(scratch, hit, ray);
+        }
+    }
+
+    /// Adds a place, unless it is one that a neighbouring cell has found: both have their common edge, or a pole, or they meet
+    /// at a seam.
+    fn add(&self, scratch: &mut SheetScratch, hit: SheetHit, ray: &SheetRay) {
+        let far = ray.origin.abs().max_element() + hit.position.abs().max_element();
+        let size = (self.bounds().upper - self.bounds().lower)
+            .max_element()
+            .min(1.0 + far);
+        let reach = SAME * size + 4.0 * ROUNDING * far;
+        for k in 0..scratch.hits.len() {
+            let known = scratch.hits[k];
+            if known.position.distance(hit.position) > reach {
+                continue;
+            }
+            let [du, dv] = [0, 1].map(|k| (known.uv[k] - hit.uv[k]).abs());
+            let [_, su, sv] = self.function.frame_at(scratch, known.uv);
+            let is_near = du * su.length() + dv * sv.length() <= reach;
+            if is_near || self.is_at_rim(known.uv) && self.is_at_rim(hit.uv) {
+                return;
+            }
+        }
+        scratch.hits.push(hit);
+    }
+
+    /// True if the parameters lie on the edge of the rectangle.
+    fn is_at_rim(&self, uv: [f64; 2]) -> bool {
+        self.domain.iter().zip(uv).any(|(&[a, b], x)| {
+            let margin = SAME * (b - a);
+            x <= a + margin || b - margin <= x
+        })
     }
 
     /// Solves σ(u, v) = origin + t·direction on a cell on which there is one solution at most.
@@ -289,28 +352,30 @@ impl Sheet {
             let step_u = sv.dot(turned) / determinant;
             let step_v = -su.dot(turned) / determinant;
             // The steps as shares of the cell.
-            let size = (step_u / du).abs().max((step_v / dv).abs());
+            let steps = [(step_u / du).abs(), (step_v / dv).abs()];
+            let size = steps[0].max(steps[1]);
             if !size.is_finite() {
                 return Newton::Unknown;
             }
             (u, v) = (u + step_u, v + step_v);
-            let away = [(u - u0) / du, (v - v0) / dv]
-                .iter()
-                .fold(0.0f64, |most, share| most.max(-share).max(share - 1.0));
+            let away = [(u - u0) / du, (v - v0) / dv].map(|share| (-share).max(share - 1.0));
             // Rounding moves a solution by so much: one on the common edge of two cells perhaps outside of both.
-            let rounded = ROUNDING
+            let rounding = ROUNDING
                 * (ray.origin.abs().max_element() + s.abs().max_element())
                 * ray.square().sqrt()
                 / determinant.abs();
-            let rounded = rounded * (sv.length() / du).max(su.length() / dv);
+            let rounded = [rounding * sv.length() / du, rounding * su.length() / dv];
+            let is_beyond = |most: f64| (0..2).any(|k| away[k] > most + rounded[k]);
             // Steps shrink by their squares: the next one would be about size³/last².
             let is_last = size * size * size <= 1e-15 * last * last;
-            if size <= rounded.max(1e-14) || size <= 1e-7 && (is_last || size >= last) {
-                if away > MARGIN + rounded {
+            let is_rounded = (0..2).all(|k| steps[k] <= rounded[k].max(1e-14));
+            if is_rounded || size <= 1e-7 && (is_last || size >= last) {
+                if is_beyond(MARGIN) {
                     // Only within the cell is the solution known to be the only one.
                     return Newton::Beyond(cell.edge([u, v]));
                 }
                 let position = s + step_u * su + step_v * sv;
+                (u, v) = (u.clamp(u0, u1), v.clamp(v0, v1));
                 let t = (position - ray.origin).dot(ray.direction) / ray.square();
                 if t <= 0.0 {
                     return Newton::Behind;
@@ -329,7 +394,7 @@ impl Sheet {
                     is_front,
                 });
             }
-            if away > 4.0 {
+            if is_beyond(4.0) {
                 return Newton::Beyond(cell.edge([u, v]));
             }
             last = size;
@@ -403,19 +468,5 @@ impl SheetScratch {
         let outcome = work(self);
         self.once += self.operations - before;
         outcome
-    }
-
-    /// Adds a place, unless it is one that a neighbouring cell has found: both have their common edge.
-    fn add(&mut self, hit: SheetHit) {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
-        let is_same = |known: &SheetHit| {
-            close(known.t, hit.t)
-                && known.position.distance(hit.position) <= 1e-9 * (1.0 + known.position.length())
-                && close(known.uv[0], hit.uv[0])
-                && close(known.uv[1], hit.uv[1])
-        };
-        if !self.hits.iter().any(is_same) {
-            self.hits.push(hit);
-        }
     }
 }

@@ -12,6 +12,9 @@ use glam::DVec3;
 use crate::bounds::BoundingBox;
 use crate::sheet::slopes::{CellSlopes, MARGIN, ROUNDING, SheetRay};
 
+/// The error of a cell that is due to rounding is at most so many times that of a sum.
+const MOST_ROUNDED: f64 = 64.0;
+
 /// A part of the rectangle.
 #[derive(Debug)]
 pub(super) struct Cell {
@@ -43,6 +46,8 @@ pub(super) struct Meeting {
     shares: [f64; 2],
     /// The changes of the shares, as products with a shift of the ray.
     steps: [DVec3; 2],
+    /// For each side, true if it is shorter than the rounding of the way to it: a ray cannot tell its halves apart.
+    pub(super) is_short: [bool; 2],
 }
 
 /// The place of a cell that is nearest to one outside of it.
@@ -144,7 +149,9 @@ impl CellPlane {
         let direction = ray.direction;
         let offset = ray.origin - centre;
         let size = offset.abs();
-        let error = error + ROUNDING * (ray.origin.abs() + centre.abs() + size);
+        let rounding = ROUNDING * (ray.origin.abs() + centre.abs() + size);
+        let own = error;
+        let error = own + rounding;
         // Where the axis and the products with it have been rounded.
         let rounded = ROUNDING * size.element_sum() * ray.sum;
         // Along the ray.
@@ -174,10 +181,16 @@ impl CellPlane {
         {
             return None;
         }
+        let [own, least] = [own, rounding].map(DVec3::element_sum);
+        let is_short = [sum_a, sum_b].map(|sum| sum <= least && own <= MOST_ROUNDED * least);
         if area == 0.0 {
-            return Some(Meeting::default());
+            return Some(Meeting {
+                is_short,
+                ..Meeting::default()
+            });
         }
         Some(Meeting {
+            is_short,
             shares: [x, y].map(|x| (x / area).clamp(-1.0, 1.0)),
             steps: [p / area, -q / area],
         })
