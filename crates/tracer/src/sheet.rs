@@ -21,7 +21,9 @@ use crate::bounds::BoundingBox;
 use crate::bvh::{Hierarchy, MetBox};
 use cell::{Cell, CellEdge, Meeting};
 use function::SheetFunction;
-use slopes::{CellSlopes, MARGIN, ROUNDING, SheetRay};
+use slopes::{CellSlopes, MARGIN, ROUNDING};
+
+pub(crate) use slopes::SheetRay;
 
 /// A surface over a rectangle.
 #[derive(Debug)]
@@ -139,14 +141,10 @@ impl Sheet {
         direction: DVec3,
         leaving: Option<[f64; 2]>,
     ) -> &'s [SheetHit] {
-        self.each(
-            scratch,
-            origin,
-            direction,
-            leaving,
-            f64::INFINITY,
-            &mut |_| f64::INFINITY,
-        );
+        let ray = SheetRay::new(origin, direction, leaving.is_some());
+        self.each(scratch, &ray, leaving, f64::INFINITY, &mut |_| {
+            f64::INFINITY
+        });
         let hits = &mut scratch.hits;
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t));
         hits
@@ -157,18 +155,19 @@ impl Sheet {
     pub(crate) fn each(
         &self,
         scratch: &mut SheetScratch,
-        origin: DVec3,
-        direction: DVec3,
+        ray: &SheetRay,
         leaving: Option<[f64; 2]>,
         reach: f64,
         found: &mut dyn FnMut(&SheetHit) -> f64,
     ) -> f64 {
         scratch.hits.clear();
+        let &SheetRay {
+            origin, direction, ..
+        } = ray;
         if !(origin.is_finite() && direction.is_finite()) || direction == DVec3::ZERO {
             return reach;
         }
         self.function.prepare(scratch);
-        let ray = SheetRay::new(origin, direction);
         let mut stack = std::mem::take(&mut scratch.stack);
         let reach =
             self.hierarchy
@@ -177,7 +176,7 @@ impl Sheet {
                     scratch.operations += CELL_OPERATIONS;
                     let before = scratch.hits.len();
                     let mut parts = MOST_PARTS;
-                    self.meet(scratch, &self.cells[k], &ray, leaving, reach, &mut parts);
+                    self.meet(scratch, &self.cells[k], ray, leaving, reach, &mut parts);
                     for k in before..scratch.hits.len() {
                         if scratch.hits[k].t < reach {
                             reach = reach.min(found(&scratch.hits[k]));
@@ -377,7 +376,9 @@ impl Sheet {
                 let position = s + step_u * su + step_v * sv;
                 (u, v) = (u.clamp(u0, u1), v.clamp(v0, v1));
                 let t = (position - ray.origin).dot(ray.direction) / ray.square();
-                if t <= 0.0 {
+                // Where a surface closes, or has an edge with another one, a ray that starts there finds its start again.
+                let is_start = || position.distance(ray.origin) <= rounding * normal.length();
+                if t <= 0.0 || ray.leaves && is_start() {
                     return Newton::Behind;
                 }
                 let against = -ray.direction.normalize_or(DVec3::Z);

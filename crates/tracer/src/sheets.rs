@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::bounds::BoundingBox;
 use crate::bvh::Hierarchy;
-use crate::sheet::{MOST_HALVED, Sheet, SheetHit, SheetScratch};
+use crate::sheet::{MOST_HALVED, Sheet, SheetHit, SheetRay, SheetScratch};
 
 /// Parametric surfaces by their numbers.
 #[derive(Debug, Default)]
@@ -62,13 +62,14 @@ impl Sheets {
         if self.is_empty() {
             return;
         }
+        let ray = SheetRay::new(origin, direction, leaving.is_some());
         let mut stack = Vec::new();
         self.hierarchy
             .each_met(origin, direction, reach, &mut stack, &mut |k, reach| {
                 let sheet = self.boxed[k] as usize;
                 let uv = leaving.and_then(|(other, uv)| (other == sheet).then_some(uv));
                 let found = &mut |hit: &SheetHit| found(sheet, hit);
-                self.all[sheet].each(scratch, origin, direction, uv, reach, found)
+                self.all[sheet].each(scratch, &ray, uv, reach, found)
             });
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use expr::{Graph, Input, NodeId};
 use glam::DVec3;
-use tracer::{Sheet, SheetScratch};
+use tracer::{Sheet, SheetScratch, Sheets, SheetsRay};
 
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
@@ -66,13 +66,12 @@ fn rays_in_the_plane_of_a_seam_meet_a_closed_surface_from_inside() {
     let cylinder = [u.cos(), u.sin(), v.clone()];
     // A point inside, the surface, its domain, and how far away it is in the direction at this angle. It closes where y = 0.
     type Distance = fn(f64) -> f64;
-    let surfaces: [(f64, [Formula; 3], [[f64; 2]; 2], Distance); 4] = [
-        (0.0, ball.clone(), [[-PI, PI], [0.0, PI]], |_| 1.0),
-        (0.0, ball, [[0.0, TAU], [0.0, PI]], |_| 1.0),
-        (-2.0, torus, [[-PI, PI]; 2], |_| 1.0),
-        (0.0, cylinder, [[-PI, PI], [-9.0, 9.0]], |angle| {
-            1.0 / angle.cos().abs()
-        }),
+    let (round, straight): (Distance, Distance) = (|_| 1.0, |angle| 1.0 / angle.cos().abs());
+    let surfaces = [
+        (0.0, ball.clone(), [[-PI, PI], [0.0, PI]], round),
+        (0.0, ball, [[0.0, TAU], [0.0, PI]], round),
+        (-2.0, torus, [[-PI, PI]; 2], round),
+        (0.0, cylinder, [[-PI, PI], [-9.0, 9.0]], straight),
     ];
     for (x, components, domain, distance) in surfaces {
         let surface = sheet(&components, domain);
@@ -224,6 +223,53 @@ fn rays_through_a_pole_meet_it_once() {
             for origin in [pole + direction, pole - direction, pole - 4.0 * DVec3::Z] {
                 let found = met(&surface, &mut scratch, origin + beside, pole + beside);
                 assert_eq!(found, 1, "{name} from {origin}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_that_leave_a_seam_or_a_common_edge_do_not_meet_it() {
+    let [u, v, _] = &variables();
+    let ball = [u.cos() * v.sin(), u.sin() * v.sin(), v.cos()];
+    let whole = Sheets::new(vec![sheet(&ball, [[0.0, TAU], [0.0, PI]])]);
+    let halves = [[-PI, 0.0], [0.0, PI]].map(|half| sheet(&ball, [half, [0.0, PI]]));
+    let halves = Sheets::new(halves.into());
+    let mut scratch = SheetScratch::default();
+    let mut random = Random(8);
+    for surfaces in [whole, halves] {
+        for k in 0..1000 {
+            // From the seam where u is 0 and y is 0, as a camera in that plane sees it.
+            let angle = random.between(0.1, PI - 0.1);
+            let place = DVec3::new(angle.sin(), 0.0, angle.cos());
+            let outward = place + 0.9 * random.direction();
+            let towards = if k % 2 == 0 {
+                outward
+            } else {
+                outward.with_y(0.0)
+            };
+            let eye = place + 3.0 * towards;
+            let mut cast = |origin, direction, leaving| {
+                let (mut found, mut reach) = (None, f64::INFINITY);
+                let ray = SheetsRay {
+                    origin,
+                    direction,
+                    leaving,
+                    reach,
+                };
+                surfaces.cast(&mut scratch, ray, &mut |sheet, hit| {
+                    if hit.t < reach {
+                        found = Some((hit.position, (sheet, hit.uv)));
+                        reach = hit.t;
+                    }
+                    reach
+                });
+                found
+            };
+            let (position, leaving) = cast(eye, place - eye, None).unwrap();
+            for direction in [outward, eye - place] {
+                let again = cast(position, direction, Some(leaving));
+                assert_eq!(again, None, "{position} {leaving:?} {direction}");
             }
         }
     }

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// A ray with what all cells need of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SheetRay {
+pub(crate) struct SheetRay {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) reciprocal: DVec3,
@@ -22,11 +22,14 @@ pub(super) struct SheetRay {
     pub(super) sum: f64,
     /// The square of the direction's length.
     square: f64,
+    /// True if its start lies on a surface.
+    pub(super) leaves: bool,
 }
 
 impl SheetRay {
-    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+    pub(crate) fn new(origin: DVec3, direction: DVec3, leaves: bool) -> Self {
         Self {
+            leaves,
             origin,
             direction,
             reciprocal: direction.recip(),
