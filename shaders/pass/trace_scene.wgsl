@@ -8,6 +8,10 @@ const MOST_MEDIA: u32 = 4u;
 const MOST_PATHS: u32 = 16u;
 // The maximum number of points at which a ray crosses a component, but no visible face.
 const MOST_PASSED: u32 = 64u;
+// The maximum error of a share of light, as seen by the eye: half a step of a byte.
+const SHARE_ERROR: f32 = 2e-3;
+// Errors are multiplied by the reciprocal of a cosine, or of a lesser one than this.
+const LEAST_COSINE: f32 = 1e-2;
 // In the look `crt`, faces block parallel light up to this distance.
 const PARALLEL_REACH: f32 = 1e4;
 
@@ -23,6 +27,9 @@ struct Path {
     // The length of the path from the eye.
     length: f32,
     bounces: u32,
+    // The errors of its start, and of its direction, as they have grown from face to face.
+    slack: f32,
+    drift: f32,
     media_count: u32,
     media: array<Medium, MOST_MEDIA>,
 }
@@ -35,6 +42,9 @@ struct Face {
     normal: vec3f,
     // The normal for lighting: a height may turn it.
     lit_normal: vec3f,
+    // The errors of the point, and of the latter normal where a height turns it.
+    slack: f32,
+    lit_error: f32,
 }
 
 var<private> paths: array<Path, MOST_PATHS>;
@@ -259,6 +269,9 @@ fn meet(path: Path, found: u32) -> Face {
     face.position = path.ray.origin + face.t * path.ray.direction;
     face.normal = normal_at(face.piece, path.ray, face.t);
     face.lit_normal = face.normal;
+    let cosine = max(abs(dot(face.normal, path.ray.direction)), LEAST_COSINE);
+    face.slack = slack_at(face) + (path.slack + path.drift * face.t) / cosine;
+    face.lit_error = 0.0;
     return face;
 }
 
@@ -278,10 +291,25 @@ fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
         mirror += material.glass * reflects;
         let bent = refracted(path.ray.direction, face.lit_normal, n1, n2);
         let through = material.glass * (1.0 - reflects);
+        let error = path.drift + face.lit_error;
+        if error > 0.0 {
+            let least = fresnel(clamp(cosine + error, 0.0, 1.0), n1, n2);
+            let most = fresnel(clamp(cosine - error, 0.0, 1.0), n1, n2);
+            if path.weight * material.glass * abs(most - least) > SHARE_ERROR {
+                is_marked = true;
+            }
+        }
         if bent.passes && through != 0.0 {
             behind.ray = ray_from(face, bent.direction);
             behind.share = path.share * through;
             behind.weight = path.weight * through;
+            behind.slack = face.slack;
+            if n1 != n2 {
+                let ratio = n1 / n2;
+                let inside = max(-dot(face.lit_normal, bent.direction), LEAST_COSINE);
+                behind.drift = ratio * path.drift + abs(ratio * cosine - inside) * face.lit_error
+                    + ratio * ratio * cosine / inside * error;
+            }
             out += go_on(behind);
         }
     }
@@ -293,6 +321,8 @@ fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
         next.ray = ray_from(face, normalize(away));
         next.share = path.share * mirror;
         next.weight = path.weight * max(max(mirror.x, mirror.y), mirror.z);
+        next.slack = face.slack;
+        next.drift = path.drift + 2.0 * face.lit_error;
         out += go_on(next);
     }
     return out;
@@ -309,6 +339,8 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
     paths[0].weight = 1.0;
     paths[0].length = 0.0;
     paths[0].bounces = trace.bounces;
+    paths[0].slack = 0.0;
+    paths[0].drift = 0.0;
     paths[0].media_count = 0u;
     var out = vec3f(0.0);
     var path: Path;
@@ -380,11 +412,12 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
             face = meet(path, found);
             material = materials[leaves[pieces[face.piece].leaf].material];
             if material.varies != 0u {
-                let varied = varied_look(material, face.position, slack_at(face));
+                let varied = varied_look(material, face.position, face.slack, path.weight);
                 material = varied.material;
                 if any(varied.bump != vec3f(0.0)) {
                     let bump = select(-varied.bump, varied.bump, together_enters[found]);
                     face.lit_normal = turned(face.normal, bump);
+                    face.lit_error = varied.bump_error;
                 }
             }
             enters = material.glass > 0.0;

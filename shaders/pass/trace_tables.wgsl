@@ -100,6 +100,8 @@ struct Material {
 struct VariedLook {
     material: Material,
     bump: vec3f,
+    // The error of that.
+    bump_error: f32,
 }
 
 @group(0) @binding(0) var<uniform> trace: Trace;

@@ -18,7 +18,7 @@ const VARIED_SHININESS: u32 = 5u;
 const VARIED_BUMP: u32 = 6u;
 
 const MOST_ATTRIBUTES: u32 = 16u;
-// The maximum error of numbers: half a step of a byte.
+// The maximum error of numbers, as seen by the eye: half a step of a byte.
 const ATTRIBUTE_ERROR: f32 = 2e-3;
 
 var<private> attributes: array<vec2f, MOST_ATTRIBUTES>;
@@ -50,11 +50,11 @@ fn settled(range: vec2f, least: f32, most: f32, error: f32) -> f32 {
     return clamp(0.5 * (range.x + range.y), least, most);
 }
 
-fn settled_color(number: u32, most: f32) -> vec3f {
+fn settled_color(number: u32, most: f32, error: f32) -> vec3f {
     return vec3f(
-        settled(attributes[number], 0.0, most, ATTRIBUTE_ERROR),
-        settled(attributes[number + 1u], 0.0, most, ATTRIBUTE_ERROR),
-        settled(attributes[number + 2u], 0.0, most, ATTRIBUTE_ERROR),
+        settled(attributes[number], 0.0, most, error),
+        settled(attributes[number + 1u], 0.0, most, error),
+        settled(attributes[number + 2u], 0.0, most, error),
     );
 }
 
@@ -66,8 +66,10 @@ fn light_of_color(color: vec3f) -> vec3f {
     return select(curved, color / 12.92, color <= vec3f(0.04045));
 }
 
-fn varied_look(material: Material, position: vec3f, slack: f32) -> VariedLook {
-    var look = VariedLook(material, vec3f(0.0));
+// The look of a face at a point that is known to within `slack`, on a path whose light counts with this weight.
+fn varied_look(material: Material, position: vec3f, slack: f32, weight: f32) -> VariedLook {
+    var look = VariedLook(material, vec3f(0.0), 0.0);
+    let most = ATTRIBUTE_ERROR / min(weight, 1.0);
     var list = material.lists;
     for (var k = 0u; k < (material.varies & 0xffffu); k++) {
         let flags = words[list + 2u];
@@ -90,37 +92,42 @@ fn varied_look(material: Material, position: vec3f, slack: f32) -> VariedLook {
             switch words[list + LIST_HEAD + j] {
                 case VARIED_COLOR: {
                     let bright = (flags & LIST_BRIGHT) != 0u;
-                    look.material.color = light_of_color(settled_color(number, select(1.0, ENDLESS, bright)));
+                    look.material.color = light_of_color(settled_color(number, select(1.0, ENDLESS, bright), most));
                     number += 3u;
                 }
                 case VARIED_MIRROR: {
-                    look.material.mirror = settled_color(number, 1.0);
+                    look.material.mirror = settled_color(number, 1.0, most);
                     number += 3u;
                 }
                 case VARIED_GLASS: {
-                    look.material.glass = settled(first, 0.0, 1.0, ATTRIBUTE_ERROR);
+                    look.material.glass = settled(first, 0.0, 1.0, most);
                     number += 1u;
                 }
                 case VARIED_DIFFUSE: {
-                    look.material.scattered = settled(first, 0.0, ENDLESS, ATTRIBUTE_ERROR);
+                    look.material.scattered = settled(first, 0.0, ENDLESS, most);
                     number += 1u;
                 }
                 case VARIED_SPECULAR: {
-                    look.material.specular = settled(first, 0.0, ENDLESS, ATTRIBUTE_ERROR);
+                    look.material.specular = settled(first, 0.0, ENDLESS, most);
                     number += 1u;
                 }
                 case VARIED_SHININESS: {
-                    let error = ATTRIBUTE_ERROR * max(abs(first.x), abs(first.y));
+                    let error = most * max(abs(first.x), abs(first.y));
                     look.material.shininess = settled(first, 1e-12, ENDLESS, error);
                     number += 1u;
                 }
                 default: {
-                    let error = 0.25 * ATTRIBUTE_ERROR;
+                    let error = 0.25 * most;
+                    let second = attributes[number + 1u];
+                    let third = attributes[number + 2u];
                     let slope = vec3f(
                         settled(first, -ENDLESS, ENDLESS, error),
-                        settled(attributes[number + 1u], -ENDLESS, ENDLESS, error),
-                        settled(attributes[number + 2u], -ENDLESS, ENDLESS, error),
+                        settled(second, -ENDLESS, ENDLESS, error),
+                        settled(third, -ENDLESS, ENDLESS, error),
                     );
+                    let apart = 0.5 * vec3f(first.y - first.x, second.y - second.x, third.y - third.x);
+                    look.bump_error =
+                        dot(apart, vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz)));
                     look.bump = slope.x * rows[0].xyz + slope.y * rows[1].xyz + slope.z * rows[2].xyz;
                     number += 3u;
                 }

@@ -40,6 +40,18 @@ fn attributes_that_are_expressions_are_drawn_as_by_f64() {
 }
 
 #[test]
+fn glass_that_bumps_roughen_is_drawn_as_by_f64() {
+    let mut gpu = on_gpu();
+    // A bump multiplies the error of a ray at each face that it comes to within the glass.
+    let glass = scene(
+        "solid a(x, y, z) = x^2 + y^2 + z^2 - 1, glass : 1, ior : 1.7, color : (0.99, 0.99, 0.9),
+             bump : 0.1sin(12x)sin(12y);
+         background b = 1; light lamp = @ (5, 5, 5), power : 0; camera eye = (0, 1, 0) @ (0, -4, 0);",
+    );
+    assert_same(&mut gpu, "bumped glass", &request(&glass, [120, 90], 2));
+}
+
+#[test]
 fn what_f32_does_not_know_of_a_colour_is_left_to_f64() {
     let mut gpu = on_gpu();
     // Finer than places are known, undefined on one side, out of range on one side.
