@@ -304,11 +304,20 @@ fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
             behind.share = path.share * through;
             behind.weight = path.weight * through;
             behind.slack = face.slack;
+            // A height may bend the light so that it stays on its side of the true face.
+            let height = dot(bent.direction, face.normal);
+            if height >= 0.0 {
+                behind.media = path.media;
+                behind.media_count = path.media_count;
+            }
             if n1 != n2 {
                 let ratio = n1 / n2;
                 let inside = max(-dot(face.lit_normal, bent.direction), LEAST_COSINE);
                 behind.drift = ratio * path.drift + abs(ratio * cosine - inside) * face.lit_error
                     + ratio * ratio * cosine / inside * error;
+            }
+            if face.lit_error > 0.0 && abs(height) <= behind.drift + PLACE_ERROR {
+                is_marked = true;
             }
             out += go_on(behind);
         }

@@ -288,6 +288,35 @@ fn glass_bends_absorbs_and_reflects_exactly() {
 }
 
 #[test]
+fn light_that_a_bump_bends_back_stays_outside_of_the_glass() {
+    let world = world(2.0);
+    // The height turns the normal of the face x = 2 by 20 degrees; the ray comes to it at 44 degrees, just below total
+    // reflection. It is bent by 83 degrees, which is 103 from the true normal.
+    let tilt = 20.0f64.to_radians();
+    let look = |face: &Face| FaceLook {
+        glass: f64::from(u8::from(solid(face) == 2)),
+        bump: tilt.tan() * DVec3::Y,
+        ..clear(DVec3::splat(0.5))
+    };
+    let glass = Glass {
+        ior: 0.7,
+        leaf: 2,
+        ..Glass::default()
+    };
+    let sheets = Sheets::default();
+    let scenery = Scenery {
+        glass: &[None, None, Some(glass)],
+        background: &|_| DVec3::ONE,
+        ..scenery(&world, &sheets, &look)
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let angle = 64.0f64.to_radians();
+    let direction = DVec3::new(angle.cos(), angle.sin(), 0.0);
+    let light = seen(&mut tracer, DVec3::new(0.0, 0.0, 8.0), direction);
+    assert_light(light, DVec3::ONE);
+}
+
+#[test]
 fn an_opaque_face_is_seen_through_glass_that_lies_on_it() {
     let no_sheets = Sheets::default();
     let [_, _, z] = variables();

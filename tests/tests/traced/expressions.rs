@@ -49,6 +49,14 @@ fn glass_that_bumps_roughen_is_drawn_as_by_f64() {
          background b = 1; light lamp = @ (5, 5, 5), power : 0; camera eye = (0, 1, 0) @ (0, -4, 0);",
     );
     assert_same(&mut gpu, "bumped glass", &request(&glass, [120, 90], 2));
+    // From water into a bubble, light may stay in the water.
+    let bubble = scene(
+        "solid water(x, y, z) = max(abs x, abs y, abs z) - 3, glass : 1, ior : 1.33;
+         solid bubble(x, y, z) = x^2 + y^2 + z^2 - 1, glass : 1, ior : 1, color : (0.98, 0.98, 0.9),
+             bump : 0.1sin(12x)sin(12y);
+         background b = 1; light lamp = @ (5, 5, 5), power : 0; camera eye = (0, 1, 0) @ (0, -2.9, 0);",
+    );
+    assert_same(&mut gpu, "bumped bubble", &request(&bubble, [120, 90], 1));
 }
 
 #[test]

@@ -318,7 +318,11 @@ impl<'a> LightTracer<'a> {
                 let cosine = (-normal.dot(direction)).clamp(0.0, 1.0);
                 let share = fresnel(cosine, n1, n2);
                 mirror += DVec3::splat(look.glass * share);
-                onward = refracted(direction, normal, n1, n2).map(|direction| (direction, media));
+                // A bump may bend the light so that it stays on its side of the true face.
+                onward = refracted(direction, normal, n1, n2).map(|bent| {
+                    let passes = bent.dot(face.normal) < 0.0;
+                    (bent, if passes { media } else { path.media.clone() })
+                });
                 through = DVec3::splat(look.glass * (1.0 - share));
             } else {
                 onward = Some((direction, path.media.clone()));
