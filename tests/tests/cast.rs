@@ -104,6 +104,20 @@ fn a_ray_enters_and_leaves_what_is_left_of_a_cube() {
 }
 
 #[test]
+fn an_opaque_face_is_met_before_glass_that_lies_on_it() {
+    const TABLE: &str = "
+        solid pane(x, y, z) = max(abs x, abs y, abs z) - 1, glass : 1;
+        solid table(x, y, z) = max(abs x - 0.5, abs y - 0.5, abs z - 1);
+        surface sheet(u, v) = (u, v, 1), u : [-0.25, 0.25], v : [-0.25, 0.25], glass : 0.9;
+    ";
+    // The table is flush with the pane, and farther inside with the sheet; at the rim there is the pane alone.
+    for (x, object) in [(0.4, "table"), (0.1, "table"), (0.8, "pane")] {
+        let found = cast(TABLE, [x, 0.1, 5.0], [0.0, 0.0, -1.0], &[]);
+        assert_eq!(found["first"]["object"], object, "{x}");
+    }
+}
+
+#[test]
 fn a_part_is_cast_alone() {
     let found = cast(DIE, [3.0, 0.0, 0.0], [-1.0, 0.0, 0.0], &["--solid", "ball"]);
     assert_times(&found, &[2.35, 3.65]);

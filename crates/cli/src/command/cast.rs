@@ -151,11 +151,11 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let rays = rays(arguments, &program, &params)?;
     let scene = prepared(&program, &params, arguments.solid.as_deref())?;
     let notes: Vec<String> = scene.notes().iter().map(ToString::to_string).collect();
-    let look = |_: &Face| tracer::shade::FaceLook::default();
+    let look = |face: &Face| scene.look(face, &|_, _| None);
     let scenery = Scenery {
         world: scene.world(),
         sheets: scene.sheets(),
-        glass: &[],
+        glass: scene.glass(),
         look: &look,
         lights: &[],
         background: &|_| DVec3::ZERO,
