@@ -505,6 +505,38 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
 }
 
 #[test]
+fn lengths_may_be_as_small_as_a_scene_but_not_zero() {
+    for (depth, expected, clamped) in [
+        (7e-13, 7e-13, vec![]),
+        (1e-300, 1e-300, vec![]),
+        (
+            0.0,
+            f64::MIN_POSITIVE,
+            vec![RayFault::ClampedAttribute("depth")],
+        ),
+    ] {
+        let mut writer = Writer::default();
+        let one = writer.number(1.0);
+        let ball = writer.ball(one);
+        let here = writer.identity();
+        let depth = writer.number(depth);
+        let mut leaves = vec![writer.leaf("pane", ball, here)];
+        leaves[0].attributes = Arc::new(vec![
+            stated("glass", &[one], None),
+            stated("depth", &[depth], None),
+        ]);
+        writer.solid("pane", leaves, &[SolidStep::Leaf(0)], &[]);
+        let scene = writer.prepared();
+        let [Some(glass)] = scene.glass() else {
+            panic!("{:?}", scene.glass());
+        };
+        assert_eq!(glass.depth, expected);
+        let faults: Vec<RayFault> = scene.notes().into_iter().map(|note| note.fault).collect();
+        assert_eq!(faults, clamped);
+    }
+}
+
+#[test]
 fn singular_instances_are_left_out_and_noted() {
     let mut writer = Writer::default();
     let (grid, k) = writer.grid("k", 0.0, 2.0, 3);

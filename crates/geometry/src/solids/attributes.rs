@@ -67,7 +67,7 @@ const ALL: [(A, &str); 22] = [
     (A::Turn, "turn"),
 ];
 
-/// The smallest number that counts as positive.
+/// The smallest number without a unit that counts as positive.
 const POSITIVE: f64 = 1e-12;
 /// A number that is out of range by at most this is within it: at the edge of a surface, a parameter exceeds its interval by
 /// rounding.
@@ -91,7 +91,9 @@ impl A {
         match self {
             A::Colour if !set.bright => [0.0, 1.0],
             A::Mirror | A::Glass | A::Soft => [0.0, 1.0],
-            A::Ior | A::Depth | A::Shininess | A::Focus => [POSITIVE, f64::MAX],
+            A::Ior | A::Shininess => [POSITIVE, f64::MAX],
+            // Lengths have any scale.
+            A::Depth | A::Focus => [f64::MIN_POSITIVE, f64::MAX],
             A::Fov => [POSITIVE, set.widest],
             A::Bump | A::Uv | A::Roll | A::Turn => [f64::MIN, f64::MAX],
             _ => [0.0, f64::MAX],
@@ -353,7 +355,9 @@ impl AttributeSet {
         let mut values = [0.0; 4];
         for (value, &number) in values.iter_mut().zip(given) {
             *value = number.clamp(least, most);
-            let is_rounding = (*value - number).abs() <= ROUNDING && *value != POSITIVE;
+            // A number that must be positive is not rounded to one.
+            let is_rounding =
+                (*value - number).abs() <= ROUNDING && (least <= 0.0 || *value > least);
             if *value != number && !is_rounding {
                 self.faults
                     .clamped
