@@ -69,6 +69,8 @@ pub(crate) const SINGULAR_MAP: Code = Code("singular-map");
 pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
 /// A parallel light shines upwards along a vector that looks like a position.
 pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
+/// An attribute of a light has no effect on lights of its kind.
+pub(crate) const UNUSED_ATTRIBUTE: Code = Code("unused-attribute");
 /// The instances of a set fill each other's holes.
 pub(crate) const FILLED_HOLES: Code = Code("filled-holes");
 /// A background's colour has components in the range of bytes.
@@ -210,6 +212,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         LIGHT_FROM_BELOW,
         "A parallel light shines upwards along a long vector: probably a position is meant, which follows an `@`.",
+    ),
+    (
+        UNUSED_ATTRIBUTE,
+        "A light has an attribute that has no effect on lights of its kind: a cone has an angle, light from a point or in a cone has a size, and parallel light does not fade.",
     ),
     (
         FILLED_HOLES,

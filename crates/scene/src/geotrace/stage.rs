@@ -51,6 +51,9 @@ impl Declarations {
         let all = self.lowerer.dependencies.union(dependencies, stated);
         let bytes = self.bytes_of_light(declaration.name, &attributes);
         self.found.extend(bytes);
+        let [has_position, has_direction] = [position.is_some(), direction.is_some()];
+        let unused = unused_by_light(declaration.name, has_position, has_direction, &attributes);
+        self.found.extend(unused);
         let shape = Shape::Light(Light {
             position,
             direction,
@@ -224,6 +227,36 @@ impl Declarations {
         self.found.push(error.at(span));
         None
     }
+}
+
+/// Returns a warning about each attribute that has no effect on a light of this kind.
+fn unused_by_light(
+    name: &str,
+    has_position: bool,
+    has_direction: bool,
+    attributes: &[Attribute],
+) -> Vec<Diagnostic> {
+    let is_beam = attributes.iter().any(|it| it.word == "radius");
+    let (kind, unused): (_, &[&str]) = match (has_position, has_direction, is_beam) {
+        (true, true, false) => return Vec::new(),
+        (true, true, true) => ("a beam", &["angle", "size"]),
+        (true, false, _) => ("a light in all directions", &["angle", "soft", "radius"]),
+        (false, ..) => (
+            "parallel light from far away",
+            &["angle", "soft", "radius", "size", "falloff"],
+        ),
+    };
+    let unused = attributes.iter().filter(|it| unused.contains(&it.word));
+    let warning = |it: &Attribute| {
+        let message = format!("`{}` has no effect on `{name}`, {kind}", it.word);
+        let hint = match (has_position, has_direction) {
+            (true, true) => "a beam has a `radius` and `soft`; without `radius` it is a cone",
+            (true, false) => "a cone or a beam has a direction before the `@`",
+            _ => "a light at a position has an `@` before it",
+        };
+        Diagnostic::warning(error::UNUSED_ATTRIBUTE, it.span, message).with_hint(hint)
+    };
+    unused.map(warning).collect()
 }
 
 /// Returns a warning about a colour of bytes.
