@@ -158,13 +158,18 @@ pub(super) fn build(
         (all.follow_within, all.pixel_limit) = (f64::INFINITY, ONE_PIXEL as usize);
     } else if !builder.exhausted {
         let unknown = UnknownAreas::of(&all, layout, options.interpolation, start);
-        // The number that the rays needed, and more; pixels take fewer where only the rays have difficulties.
-        let of_ray = 2 * all.work.evaluations / builder.work.rays.max(1) + 100;
-        let [of_pixel, taken] = unknown.evaluations_of_pixel(surface, &options, start);
-        all.work.evaluations += taken;
-        let each = of_ray.min(of_pixel);
         let left = options.max_evaluations.saturating_sub(all.work.evaluations);
-        (all.follow_within, all.pixel_limit) = unknown.affordable(each, start, left);
+        // The number that the rays needed, and more.
+        let of_ray = 2 * all.work.evaluations / builder.work.rays.max(1) + 100;
+        let mut affordable = unknown.affordable(of_ray, start, left);
+        if affordable.0.is_finite() {
+            // Pixels take fewer where only the rays have difficulties.
+            let [of_pixel, taken] = unknown.evaluations_of_pixel(surface, &options, start);
+            all.work.evaluations += taken;
+            let left = left.saturating_sub(taken);
+            affordable = unknown.affordable(of_ray.min(of_pixel), start, left);
+        }
+        (all.follow_within, all.pixel_limit) = affordable;
     }
     all.work.rays = all.rays.len() as u64;
     all.work.evaluations += builder.examined;
