@@ -36,7 +36,7 @@ enum PieceInput {
     Fixed(f64),
 }
 
-/// What a thread needs for intervals: registers, inputs and results.
+/// Registers, inputs and results for intervals.
 #[derive(Default)]
 struct Ranges {
     registers: Registers,

@@ -10,7 +10,7 @@ use geodesic::measure;
 use geodesic::metric::Metric;
 use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::trace::{Options, Status, Trace, trace};
-use shapes::{Maker, PI};
+use shapes::{Maker, PI, creased, off_line, off_point};
 
 fn noting() -> Options {
     Options {
@@ -113,37 +113,8 @@ fn pyramid() -> ParametricSurface {
     m.done([u, v, z], [[-2.0, 2.0]; 2])
 }
 
-/// A roof of half this width and this slope along v, on a plane: slope max(0, width − |u − 0.5|).
-fn roof(width: f64, slope: f64) -> ParametricSurface {
-    let mut m = Maker::new();
-    let off = m.plus(-0.5, m.u);
-    let off = m.f(Unary::Abs, off);
-    let off = m.scale(-1.0, off);
-    let height = m.plus(width, off);
-    let zero = m.c(0.0);
-    let top = m.g.binary(Binary::Max, zero, height);
-    let z = m.scale(slope, top);
-    let (u, v) = (m.u, m.v);
-    m.done([u, v, z], [[-2.0, 2.0]; 2])
-}
-
-/// A cone of this radius and slope on a plane, at (0.5, 0.13): slope max(0, radius − r).
-fn conical_bump(radius: f64, slope: f64) -> ParametricSurface {
-    let mut m = Maker::new();
-    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
-    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
-    let square = m.add(xx, yy);
-    let r = m.f(Unary::Sqrt, square);
-    let r = m.scale(-1.0, r);
-    let height = m.plus(radius, r);
-    let zero = m.c(0.0);
-    let top = m.g.binary(Binary::Max, zero, height);
-    let z = m.scale(slope, top);
-    let (u, v) = (m.u, m.v);
-    m.done([u, v, z], [[-2.0, 2.0]; 2])
-}
-
-/// The end of the geodesic from (0, 0) in this direction over a [`conical_bump`] that it meets: the cone unrolled.
+/// The end of the geodesic from (0, 0) in this direction over a cone of this radius and slope about (0.5, 0.13)
+/// that it meets: the cone unrolled.
 fn behind_bump([radius, slope]: [f64; 2], angle: f64, length: f64) -> [f64; 2] {
     let direction = [angle.cos(), angle.sin()];
     let [x, y] = [-0.5, -0.13];
@@ -413,7 +384,7 @@ fn narrow_ridges_are_not_leapt_over() {
         ..Options::default()
     };
     for width in [0.1, 0.02, 0.004, 1e-4] {
-        let surface = roof(width, 1.0);
+        let surface = creased(width, 1.0, off_line);
         for n in -9..=9 {
             let angle = 0.1 * f64::from(n);
             let end = trace_heading(&surface, [0.0, 0.0], angle, 1.6, &options).expect("a start");
@@ -437,7 +408,7 @@ fn narrow_ridges_are_not_leapt_over() {
 #[test]
 fn a_small_bump_on_the_way_is_met() {
     for [radius, slope] in [[0.2, 2.0], [0.05, 2.0], [0.02, 1.0], [0.003, 0.5]] {
-        let surface = conical_bump(radius, slope);
+        let surface = creased(radius, slope, off_point);
         let centre = 0.13_f64.atan2(0.5);
         let reach = (radius / 0.5_f64.hypot(0.13)).asin();
         for share in [-0.95, -0.6, -0.3, 0.2, 0.5, 0.9] {
@@ -458,7 +429,7 @@ fn a_small_bump_on_the_way_is_met() {
 #[test]
 fn a_circle_knows_of_the_bump_in_it() {
     let [radius, slope] = [0.05, 2.0];
-    let surface = conical_bump(radius, slope);
+    let surface = creased(radius, slope, off_point);
     let circle = measure::circle(&surface, [0.0, 0.0], 0.9)
         .expect("a place")
         .expect("no edge");

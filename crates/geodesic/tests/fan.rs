@@ -13,7 +13,7 @@ use geodesic::map::pixel_place;
 use geodesic::point::PicturePoint;
 use geodesic::surface::{ParametricSurface, Side, Surface};
 use geodesic::trace::{Options, Status};
-use shapes::Maker;
+use shapes::{Maker, creased, off_line, off_point};
 
 /// Random numbers that are the same on every machine: xorshift64*.
 struct Random(u64);
@@ -651,33 +651,6 @@ fn several_places_at_once_end_as_each_by_itself() {
             assert_eq!(bits(&one), bits(&several), "{place:?}");
         }
     }
-}
-
-/// A plane with the height max(0, slope (width − f(u, v))).
-fn creased(width: f64, slope: f64, f: impl FnOnce(&mut Maker) -> NodeId) -> ParametricSurface {
-    let mut m = Maker::new();
-    let f = f(&mut m);
-    let f = m.scale(-1.0, f);
-    let height = m.plus(width, f);
-    let height = m.scale(slope, height);
-    let zero = m.c(0.0);
-    let z = m.g.binary(Binary::Max, zero, height);
-    let (u, v) = (m.u, m.v);
-    m.done([u, v, z], [[-2.0, 2.0]; 2])
-}
-
-/// |u − 0.5|.
-fn off_line(m: &mut Maker) -> NodeId {
-    let off = m.plus(-0.5, m.u);
-    m.f(Unary::Abs, off)
-}
-
-/// The distance from (0.5, 0.13).
-fn off_point(m: &mut Maker) -> NodeId {
-    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
-    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
-    let square = m.add(xx, yy);
-    m.f(Unary::Sqrt, square)
 }
 
 /// |u| + |v|.

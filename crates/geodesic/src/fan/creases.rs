@@ -59,9 +59,9 @@ fn gaps<'a>(
     })
 }
 
-/// What lies between two rays of a fan, as far as a picture shows it.
+/// The area between two rays of a fan, as far as a picture shows it.
 #[derive(Clone, Copy)]
-pub(super) struct Between<'a> {
+pub(super) struct AreaBetween<'a> {
     pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a ChartLayout,
     pub(super) rays: [&'a Ray; 2],
@@ -73,16 +73,16 @@ pub(super) struct Between<'a> {
     pub(super) pixel: f64,
 }
 
-/// A part of what lies between two rays.
+/// A part of the area between two rays.
 #[derive(Clone, Copy)]
-struct Part {
+struct AreaPart {
     /// From one arc length to another.
     s: [f64; 2],
     /// From one fraction of the angle to another.
     t: [f64; 2],
 }
 
-impl Between<'_> {
+impl AreaBetween<'_> {
     /// Returns the ranges of arc length in which points between the rays do not follow from both, in order and without
     /// overlaps; the last one is endless where a crease is between the rays.
     pub(super) fn hidden(&self) -> Vec<[f64; 2]> {
@@ -132,19 +132,16 @@ impl Between<'_> {
         if from >= to {
             return unproven;
         }
-        let mut parts = vec![Part {
+        let mut parts = vec![AreaPart {
             s: [from, to],
             t: [0.0, 1.0],
         }];
         let mut left = MOST_PARTS;
         while let Some(part) = parts.pop() {
-            let is_smooth = self.bounds(&part).is_some_and(|within| {
-                within.is_none_or(|within| self.layout.is_one_piece(self.surface, within))
-            });
-            if is_smooth {
+            if self.is_proven(&part) {
                 continue;
             }
-            let Part { s, t } = part;
+            let AreaPart { s, t } = part;
             let long = s[1] - s[0];
             let wide = s[1] * self.width * (t[1] - t[0]);
             if left == 0 || long.max(wide) <= LEAST_PART * self.pixel {
@@ -157,33 +154,39 @@ impl Between<'_> {
                 [[middle, high], [low, middle]]
             };
             if long >= wide {
-                parts.extend(halves(s).map(|s| Part { s, t }));
+                parts.extend(halves(s).map(|s| AreaPart { s, t }));
             } else {
-                parts.extend(halves(t).map(|t| Part { s, t }));
+                parts.extend(halves(t).map(|t| AreaPart { s, t }));
             }
         }
         unproven
     }
 
-    /// Returns a box of the chart that contains a part: the hull of the control points of the cubic between the rays.
-    /// `Some(None)` about an apex, where nothing is proven; `None` where the rays are not known.
-    fn bounds(&self, part: &Part) -> Option<Option<[Interval; 2]>> {
+    /// Returns true if the surface is smooth in a part; false where that is not proven. Nothing is examined about an apex.
+    fn is_proven(&self, part: &AreaPart) -> bool {
         let [a, b] = self.rays;
         let middle = 0.5 * (part.s[0] + part.s[1]);
-        let (first, second) = cell::pair(self.layout, self.rays, self.width, middle)?;
-        if !(first.chart.is_plain() && second.chart.is_plain()) {
-            return Some(None);
-        }
-        let third = self.width / 3.0;
-        let (Some(near), Some(far)) = (a.ranges(part.s, third), b.ranges(part.s, -third)) else {
-            return Some(None);
+        let (Some((first, second)), Some(unlifted)) = (
+            cell::pair(self.layout, self.rays, self.width, middle),
+            b.at(middle),
+        ) else {
+            return false;
         };
-        let lift = b.at(middle)?;
-        Some(Some([0, 1].map(|k| {
-            let shift = second.at[k] - lift.at[k];
-            let ([p, q], [s, r]) = (near[k], far[k].map(|range| range.map(|x| x + shift)));
+        let third = self.width / 3.0;
+        let (true, Some(near), Some(far)) = (
+            first.chart.is_plain() && second.chart.is_plain(),
+            a.ranges(part.s, third),
+            b.ranges(part.s, -third),
+        ) else {
+            return true;
+        };
+        // The hull of the control points of the cubic between the rays contains the part.
+        let within = [0, 1].map(|k| {
+            let lift = second.at[k] - unlifted.at[k];
+            let ([p, q], [s, r]) = (near[k], far[k].map(|range| range.map(|x| x + lift)));
             part_of([p, q, r, s], part.t)
-        })))
+        });
+        self.layout.is_one_piece(self.surface, within)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::Interpolation;
 use super::build::{ACROSS, Builder, Wanted};
-use super::creases::Between;
+use super::creases::AreaBetween;
 use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
 use super::{border, cell};
@@ -50,7 +50,7 @@ impl Builder<'_> {
         edge: f64,
     ) -> Sector {
         let border = self.start.border(angle + 0.5 * width, 0.5 * width);
-        let between = Between {
+        let between = AreaBetween {
             surface: self.surface,
             layout: self.layout,
             rays: rays.map(|ray| &self.rays[ray]),

@@ -1,6 +1,6 @@
 //! Surfaces for the tests, as expressions: their derivatives and their topology are found as for a user's.
 
-use expr::ops::Unary;
+use expr::ops::{Binary, Unary};
 use expr::{Graph, Input, NodeId};
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::ParametricSurface;
@@ -441,4 +441,38 @@ pub(crate) fn ripple() -> ParametricSurface {
     let wave = m.f(Unary::Sin, phase);
     let height = m.scale(0.01, wave);
     m.done([u, v, height], [[0.0, 1.0], [0.0, 1.0]])
+}
+
+/// A plane with the height max(0, slope (width − f)) over it, f an expression in u and v.
+#[allow(dead_code)]
+pub(crate) fn creased(
+    width: f64,
+    slope: f64,
+    f: impl FnOnce(&mut Maker) -> NodeId,
+) -> ParametricSurface {
+    let mut m = Maker::new();
+    let f = f(&mut m);
+    let f = m.scale(-1.0, f);
+    let height = m.plus(width, f);
+    let height = m.scale(slope, height);
+    let zero = m.c(0.0);
+    let z = m.g.binary(Binary::Max, zero, height);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-2.0, 2.0]; 2])
+}
+
+/// |u − 0.5|.
+#[allow(dead_code)]
+pub(crate) fn off_line(m: &mut Maker) -> NodeId {
+    let off = m.plus(-0.5, m.u);
+    m.f(Unary::Abs, off)
+}
+
+/// The distance from (0.5, 0.13).
+#[allow(dead_code)]
+pub(crate) fn off_point(m: &mut Maker) -> NodeId {
+    let (x, y) = (m.plus(-0.5, m.u), m.plus(-0.13, m.v));
+    let (xx, yy) = (m.mul(x, x), m.mul(y, y));
+    let square = m.add(xx, yy);
+    m.f(Unary::Sqrt, square)
 }
