@@ -21,6 +21,9 @@ use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
 use crate::vector::{combine, cross, dot, norm};
 
+/// The number of proofs that a box is smooth that count as one evaluation: they take the values of a few corners alone, not all
+/// derivatives.
+pub(crate) const PROOFS_PER_EVALUATION: u64 = 8;
 /// Within this fraction of its radius from an apex, directions are those at this distance.
 const TINY: f64 = 1e-14;
 /// The surface is degenerate where a tangent vector is shorter than its typical length by this factor, or the sine of
@@ -64,6 +67,8 @@ pub(crate) struct Atlas<'s> {
     /// True if vectors at different points may be compared.
     pub(crate) embedded: bool,
     evaluations: Cell<usize>,
+    /// The number of boxes that were to be proven smooth.
+    proofs: Cell<usize>,
 }
 
 impl<'s> Atlas<'s> {
@@ -73,12 +78,13 @@ impl<'s> Atlas<'s> {
             layout: ChartLayout::of(surface).for_one_ray(),
             embedded: surface.is_embedded(),
             evaluations: Cell::new(0),
+            proofs: Cell::new(0),
         }
     }
 
-    /// Returns the number of evaluations of the surface so far.
+    /// Returns the number of evaluations of the surface so far; proofs that a box is smooth count as some.
     pub(crate) fn evaluations(&self) -> usize {
-        self.evaluations.get()
+        self.evaluations.get() + self.proofs.get() / PROOFS_PER_EVALUATION as usize
     }
 
     /// Returns the jet at a point that may be beyond sides that wrap, in the coordinates continued there.
@@ -102,6 +108,7 @@ impl<'s> Atlas<'s> {
 
     /// Returns [`ChartLayout::is_one_piece`].
     pub(crate) fn is_one_piece(&self, within: [Interval; 2]) -> bool {
+        self.proofs.set(self.proofs.get() + 1);
         self.layout.is_one_piece(self.surface, within)
     }
 

@@ -3,6 +3,7 @@
 //! The first rays determine the accuracy that steps need; `refine.rs` chooses the rays between them, `missed.rs` looks for
 //! what is beside all of them, and `verify.rs` estimates the error of the whole.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use super::FanOptions;
@@ -13,7 +14,7 @@ use super::ray::Ray;
 use super::sectors::{Profile, Sector, Sectors, most};
 use super::start::FanStart;
 use super::unknown::{ONE_PIXEL, UnknownAreas};
-use crate::chart::ChartLayout;
+use crate::chart::{ChartLayout, PROOFS_PER_EVALUATION};
 use crate::ends::GeodesicWork;
 use crate::surface::Surface;
 
@@ -87,7 +88,9 @@ pub(super) struct Builder<'a> {
     pub(super) work: GeodesicWork,
     pub(super) exhausted: bool,
     /// The evaluations spent on the search for what rays miss.
-    pub(super) examined: u64,
+    pub(super) examined: Cell<u64>,
+    /// The number of parts between rays that were to be proven smooth.
+    pub(super) proofs: Cell<u64>,
     /// A ray's error in pixels per unit of its estimated error.
     pub(super) factor: f64,
 }
@@ -126,7 +129,8 @@ pub(super) fn build(
         rays: Vec::new(),
         work: GeodesicWork::default(),
         exhausted: false,
-        examined: 0,
+        examined: Cell::new(0),
+        proofs: Cell::new(0),
         factor: 0.0,
     };
     let plan = builder.plan;
@@ -145,7 +149,7 @@ pub(super) fn build(
     }
     let estimate = builder.verify(&mut sectors);
     let mut all = Sectors {
-        rays: builder.rays,
+        rays: std::mem::take(&mut builder.rays),
         sectors,
         table: Vec::new(),
         work: builder.work,
@@ -158,7 +162,8 @@ pub(super) fn build(
         (all.follow_within, all.pixel_limit) = (f64::INFINITY, ONE_PIXEL as usize);
     } else if !builder.exhausted {
         let unknown = UnknownAreas::of(&all, layout, options.interpolation, start);
-        let left = options.max_evaluations.saturating_sub(all.work.evaluations);
+        let taken = all.work.evaluations + builder.besides_rays();
+        let left = options.max_evaluations.saturating_sub(taken);
         // The number that the rays needed, and more.
         let of_ray = 2 * all.work.evaluations / builder.work.rays.max(1) + 100;
         let mut affordable = unknown.affordable(of_ray, start, left);
@@ -172,15 +177,20 @@ pub(super) fn build(
         (all.follow_within, all.pixel_limit) = affordable;
     }
     all.work.rays = all.rays.len() as u64;
-    all.work.evaluations += builder.examined;
+    all.work.evaluations += builder.besides_rays();
     all
 }
 
 impl Builder<'_> {
+    /// Returns the number of evaluations that were not those of rays.
+    fn besides_rays(&self) -> u64 {
+        self.examined.get() + self.proofs.get() / PROOFS_PER_EVALUATION
+    }
+
     /// Integrates rays. Returns `None` if the evaluations do not suffice for all.
     pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let most = self.options.max_evaluations.min(MOST_FOR_RAYS);
-        let left = most.saturating_sub(self.work.evaluations);
+        let left = most.saturating_sub(self.work.evaluations + self.besides_rays());
         // The number that each ray may certainly use; only a few use more than twice the average.
         let each = left / wanted.len().max(1) as u64;
         let average = self.work.evaluations / self.work.rays.max(1);

@@ -4,6 +4,8 @@
 //! creases all points have passed them too if no other crease is between the rays. Intervals prove that part by part: a part
 //! is a box of the chart that contains everything between the rays from one arc length to another.
 
+use std::cell::Cell;
+
 use expr::interval::Interval;
 
 use super::cell;
@@ -84,8 +86,8 @@ struct AreaPart {
 
 impl AreaBetween<'_> {
     /// Returns the ranges of arc length in which points between the rays do not follow from both, in order and without
-    /// overlaps; the last one is endless where a crease is between the rays.
-    pub(super) fn hidden(&self) -> Vec<[f64; 2]> {
+    /// overlaps; the last one is endless where a crease is between the rays. `proofs` counts the parts that are examined.
+    pub(super) fn hidden(&self, proofs: &Cell<u64>) -> Vec<[f64; 2]> {
         if !self.layout.has_creases {
             return Vec::new();
         }
@@ -97,7 +99,7 @@ impl AreaBetween<'_> {
         let past_end = [f64::INFINITY; 2];
         for gap in gaps(&a.passages, &b.passages).chain([past_end]) {
             let to = gap[0].min(end);
-            let unproven = self.unproven([from, to]);
+            let unproven = self.unproven([from, to], proofs);
             let island = unproven.iter().find(|[first, last]| {
                 let is_behind = from > 0.0 && *first <= from + beside;
                 let is_before = gap[0] <= end && *last >= to - beside;
@@ -127,7 +129,7 @@ impl AreaBetween<'_> {
     }
 
     /// Returns the ranges of arc length in which the surface is not proven to be smooth between the rays.
-    fn unproven(&self, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    fn unproven(&self, [from, to]: [f64; 2], proofs: &Cell<u64>) -> Vec<[f64; 2]> {
         let mut unproven = Vec::new();
         if from >= to {
             return unproven;
@@ -138,6 +140,7 @@ impl AreaBetween<'_> {
         }];
         let mut left = MOST_PARTS;
         while let Some(part) = parts.pop() {
+            proofs.set(proofs.get() + 1);
             if self.is_proven(&part) {
                 continue;
             }

@@ -3,6 +3,10 @@
 //! In: rays in the same coordinates and a step's length. Out: the rays after the step, the lanes that are still in the
 //! group, and the next step's length.
 
+use std::cell::Cell;
+
+use expr::interval::Interval;
+
 use super::active_ray::ActiveRay;
 use super::coordinates::FanChart;
 use super::driver::RayPlan;
@@ -11,7 +15,7 @@ use super::lanes::{LaneEquation, LaneLocals, LaneStep, STAGES};
 use super::ray::{CreasePassage, Knot, Segment};
 use expr::processor::{Processor, Work};
 
-use crate::chart::{Atlas, ChartLayout};
+use crate::chart::{Atlas, ChartLayout, PROOFS_PER_EVALUATION};
 use crate::integrate::{self, Observed, RayEnd};
 use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
@@ -439,7 +443,13 @@ impl<'a> Group<'a> {
     }
 
     /// Returns the length to a point shortly behind the first crease on a step.
-    fn crease_ahead(&self, ray: &ActiveRay, trial: &LaneStep, lane: usize, h: f64) -> Option<f64> {
+    fn crease_ahead(
+        &self,
+        ray: &mut ActiveRay,
+        trial: &LaneStep,
+        lane: usize,
+        h: f64,
+    ) -> Option<f64> {
         let LaneEquation {
             surface, layout, ..
         } = self.equation;
@@ -459,10 +469,16 @@ impl<'a> Group<'a> {
             of(&self.state, &self.local),
             of(&trial.end, &trial.local),
         );
-        let share = path.first_beyond(&|within| layout.is_one_piece(surface, within), &|at| {
+        let proofs = Cell::new(0);
+        let stays = |within: [Interval; 2]| {
+            proofs.set(proofs.get() + 1);
+            layout.is_one_piece(surface, within)
+        };
+        let share = path.first_beyond(&stays, &|at| {
             layout.beyond_edge(at).is_none() && layout.smooth_piece(surface, at) != ray.piece
-        })?;
-        Some(share * h)
+        });
+        ray.evaluations += proofs.get() / PROOFS_PER_EVALUATION;
+        Some(share? * h)
     }
 
     /// Passes a crease within this length by an integration on its own; the ray continues behind it in another group.

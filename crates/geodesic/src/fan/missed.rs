@@ -35,7 +35,7 @@ impl Builder<'_> {
     }
 
     /// Returns true if the surface contradicts any sector's rays.
-    pub(super) fn misses_any(&mut self, sectors: &[Sector]) -> bool {
+    pub(super) fn misses_any(&self, sectors: &[Sector]) -> bool {
         self.contradicted(sectors).iter().any(|s| s.is_finite())
     }
 
@@ -83,13 +83,13 @@ impl Builder<'_> {
     }
 
     /// Returns for each sector the arc length from which the surface contradicts its rays; infinite where it does not.
-    fn contradicted(&mut self, sectors: &[Sector]) -> Vec<f64> {
+    fn contradicted(&self, sectors: &[Sector]) -> Vec<f64> {
         let mut from = vec![f64::INFINITY; sectors.len()];
         let step = self.lattice_step();
         let probes: Vec<Probe> = (0..sectors.len())
             .flat_map(|n| self.probes(&sectors[n], n, step))
             .collect();
-        self.examined += probes.len() as u64;
+        self.examined.set(self.examined.get() + probes.len() as u64);
         let mut jets = JetBlock::default();
         for block in probes.chunks(LANES) {
             let mut at = [[0.0; LANES]; 2];

@@ -63,7 +63,7 @@ impl Builder<'_> {
             angle,
             width,
             border,
-            hidden: between.hidden(),
+            hidden: between.hidden(&self.proofs),
             unknown_from: f64::INFINITY,
             free_until: 0.0,
             errors,
