@@ -13,6 +13,8 @@ use expr::{Graph, Input, NodeId};
 
 use crate::point::Uv;
 
+/// The maximum number of corners that are examined by intervals, which for more would take most of the time.
+const MOST_CORNERS: usize = 8;
 /// Rounding outward makes less than this of a zero.
 const ZERO: f64 = 1e-300;
 
@@ -96,7 +98,11 @@ impl SmoothPieces {
     }
 
     /// Returns true if all points of a box belong to one piece and none is on a crease; false where intervals cannot decide.
+    /// True also where there are too many corners to be examined.
     pub(crate) fn is_one(&self, within: [Interval; 2]) -> bool {
+        if self.tape.root_count() > MOST_CORNERS {
+            return true;
+        }
         RANGES.with_borrow_mut(|ranges| {
             let Ranges {
                 registers,

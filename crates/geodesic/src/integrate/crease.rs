@@ -94,15 +94,17 @@ impl Ray<'_, '_> {
         let side = |state: &State| Some(f64::from(self.atlas.smooth_piece(state.at) != piece));
         match self.crossing(share * step.length, &side) {
             // The parabola does not meet what the step does.
-            Found::Steep => Some(Attempt::Again(SHORTER * share * h)),
+            Found::Steep if share < 1.0 => Some(Attempt::Again(SHORTER * share * h)),
             found => self.approach(&found, [step.length, h], h),
         }
     }
 
-    /// Returns a fraction of a step's length at which it is in another smooth piece, shortly behind the first crease.
+    /// Returns a fraction of a step's length at which it is in another smooth piece, shortly behind the first crease; more than
+    /// 1 if only the ends of the step are examined.
     fn other_piece_on_way(&mut self, step: &RayStep, piece: u64) -> Option<f64> {
         if !self.atlas.layout.has_creases {
-            return None;
+            // No creases, or too many to be examined.
+            return (self.atlas.smooth_piece(step.end.at) != piece).then_some(FARTHEST);
         }
         let local = self.local_after(step)?;
         let of = |state: &State, local: &Local| [state.at, state.velocity, local.acceleration];
