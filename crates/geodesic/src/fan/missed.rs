@@ -4,7 +4,7 @@
 //! their middle know of a hole or a bump beside them. At the points of a coarse lattice the interpolated geodesics are compared
 //! with the surface itself: it must be defined there, and their velocity must have unit length.
 
-use super::build::{Builder, Wanted};
+use super::build::Builder;
 use super::cell::{self, Found};
 use super::sectors::Sector;
 use crate::metric::speed;
@@ -62,18 +62,12 @@ impl Builder<'_> {
                 break;
             }
             found = true;
-            let wanted: Vec<Wanted> = bad
-                .iter()
-                .map(|sector| {
-                    Wanted::middle(sector).with_tolerance_share(self.tolerance_share(sector))
-                })
-                .collect();
-            let Some(middles) = self.follow(&wanted) else {
-                done.extend(bad);
-                break;
-            };
-            for (sector, middle) in bad.into_iter().zip(middles) {
-                open.extend(self.halve(sector, middle));
+            match self.bisect(bad) {
+                Ok(halves) => open = halves,
+                Err(bad) => {
+                    done.extend(bad);
+                    break;
+                }
             }
         }
         *sectors = done;

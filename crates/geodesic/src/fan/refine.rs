@@ -249,22 +249,13 @@ impl Builder<'_> {
                 *sectors = done;
                 break;
             }
-            let wanted: Vec<Wanted> = open
-                .iter()
-                .map(|sector| {
-                    Wanted::middle(sector).with_tolerance_share(self.tolerance_share(sector))
-                })
-                .collect();
-            let Some(middles) = self.follow(&wanted) else {
-                done.extend(open);
-                *sectors = done;
-                break;
-            };
-            for (sector, middle) in open.into_iter().zip(middles) {
-                let halves = self.halve(sector, middle);
-                done.extend(halves);
-            }
+            let bisected = self.bisect(open);
+            let is_exhausted = bisected.is_err();
+            done.extend(bisected.unwrap_or_else(|open| open));
             *sectors = done;
+            if is_exhausted {
+                break;
+            }
         }
         for sector in sectors.iter_mut() {
             if sector.unknown_from.is_infinite() && !self.is_fine(sector) {
@@ -300,6 +291,24 @@ impl Builder<'_> {
                 stop.slope = slope;
             }
         }
+    }
+
+    /// Returns the halves of all sectors, in order, with new rays between them.
+    ///
+    /// # Errors
+    /// The sectors, if the evaluations do not suffice for all rays.
+    pub(super) fn bisect(&mut self, sectors: Vec<Sector>) -> Result<Vec<Sector>, Vec<Sector>> {
+        let wanted: Vec<Wanted> = sectors
+            .iter()
+            .map(|sector| Wanted::middle(sector).with_tolerance_share(self.tolerance_share(sector)))
+            .collect();
+        let Some(middles) = self.follow(&wanted) else {
+            return Err(sectors);
+        };
+        let pairs = sectors.into_iter().zip(middles);
+        Ok(pairs
+            .flat_map(|(sector, middle)| self.halve(sector, middle))
+            .collect())
     }
 
     /// Returns both halves of a sector, with a new ray between them.
