@@ -18,6 +18,7 @@ use crate::interpolate::MIDDLE_OF_SIX;
 use crate::metric::{acceleration, gaussian_curvature, minus_components};
 use crate::point::Uv;
 use crate::status::Status;
+use crate::step_path::{Borders, PathPart};
 use crate::surface::{Jet, Side, Surface};
 use crate::vector::{combine, cross, dot, norm};
 
@@ -110,6 +111,12 @@ impl<'s> Atlas<'s> {
     pub(crate) fn is_one_piece(&self, within: [Interval; 2]) -> bool {
         self.proofs.set(self.proofs.get() + 1);
         self.layout.is_one_piece(self.surface, within)
+    }
+
+    /// Returns [`ChartLayout::creases_along`].
+    pub(crate) fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        self.proofs.set(self.proofs.get() + 1);
+        self.layout.creases_along(self.surface, part)
     }
 
     /// Returns the distance between two points in (u,v): in space, or, without an embedding, by the metric at the first

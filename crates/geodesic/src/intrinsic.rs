@@ -19,6 +19,7 @@ use crate::metric::Form;
 use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::smooth_pieces::SmoothPieces;
+use crate::step_path::{Borders, PathPart};
 use crate::surface::{ChartData, Surface};
 use crate::topology::Topology;
 use crate::vector::norm;
@@ -169,6 +170,11 @@ impl Surface for MetricSurface {
         self.pieces
             .as_ref()
             .is_none_or(|pieces| pieces.is_one(within))
+    }
+
+    fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        let pieces = self.pieces.as_ref();
+        pieces.map_or(Borders::None, |pieces| pieces.along(part))
     }
 
     fn is_embedded(&self) -> bool {

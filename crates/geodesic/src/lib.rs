@@ -50,7 +50,7 @@ pub mod sides;
 mod smooth_pieces;
 pub mod status;
 mod step_control;
-mod step_path;
+pub mod step_path;
 pub mod surface;
 pub mod topology;
 pub mod trace;

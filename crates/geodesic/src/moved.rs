@@ -3,13 +3,14 @@
 //! At a zoom of 10⁻¹² the u and v of neighbouring pixels differ by a few ulps. Relative to the camera they keep all
 //! their digits; the sum is formed only where the surface is evaluated, and its rounding there is negligible.
 
-use expr::interval::Interval;
+use expr::interval::{Interval, Slope};
 use expr::ops::Binary;
 
 use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
 use crate::point::Uv;
+use crate::step_path::{Borders, PathPart};
 use crate::surface::{ChartData, Jet, JetBlock, Lanes, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
@@ -92,6 +93,12 @@ impl Surface for Moved<'_> {
         let there =
             |k: usize| Interval::binary(Binary::Add, within[k], Interval::point(self.by[k]));
         self.surface.is_one_piece([0, 1].map(there))
+    }
+
+    fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        let by = |k: usize| Slope::constant(self.by[k]);
+        let moved = part.changed(&|k, x| Slope::binary(Binary::Add, x, by(k)));
+        self.surface.creases_along(&moved)
     }
 
     fn is_embedded(&self) -> bool {

@@ -6,15 +6,18 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
-use expr::interval::Interval;
+use expr::interval::{Interval, Slope};
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
 use crate::point::Uv;
+use crate::step_path::{Borders, PathPart};
 
 /// The maximum number of corners that are examined by intervals, which for more would take most of the time.
 const MOST_CORNERS: usize = 8;
+/// A factor for the rounding of a product.
+const ROUNDED: f64 = 1.0 + 4.0 * f64::EPSILON;
 /// Rounding outward makes less than this of a zero.
 const ZERO: f64 = 1e-300;
 
@@ -44,6 +47,9 @@ struct Ranges {
     registers: Registers,
     inputs: Vec<Interval>,
     values: Vec<Interval>,
+    middles: Vec<Interval>,
+    slope_inputs: Vec<Slope>,
+    slopes: Vec<Slope>,
 }
 
 thread_local! {
@@ -69,7 +75,7 @@ impl SmoothPieces {
         }
         let tape = Tape::new(&graph, &corners);
         let input = |input: &Input| match *input {
-            Input::Variable(k) => PieceInput::Coordinate(k as usize),
+            Input::Variable(k) => PieceInput::Coordinate((k as usize).min(1)),
             Input::Uniform(_) => PieceInput::Fixed(uniform(input)),
         };
         let inputs = tape.inputs().iter().map(input).collect();
@@ -108,22 +114,88 @@ impl SmoothPieces {
                 registers,
                 inputs,
                 values,
+                ..
             } = ranges;
-            inputs.clear();
-            inputs.extend(self.inputs.iter().map(|input| match *input {
-                PieceInput::Coordinate(k) => within.get(k).copied().unwrap_or(within[0]),
-                PieceInput::Fixed(x) => Interval::point(x),
-            }));
-            values.clear();
-            values.resize(self.tape.root_count(), Interval::point(0.0));
-            self.tape.eval_intervals(registers, inputs, values);
-            // Where what is compared is the same everywhere, both formulas are.
-            let is_zero = |value: &Interval| value.lower() > -ZERO && value.upper() < ZERO;
-            let has_sign =
-                |value: &Interval| value.lower() > 0.0 || value.upper() < 0.0 || is_zero(value);
-            values
-                .iter()
-                .all(|value| !value.is_partial() && has_sign(value))
+            self.values(registers, inputs, within, values);
+            values.iter().all(has_one_sign)
         })
     }
+
+    /// Returns what is known of the creases along a part of a path; as [`SmoothPieces::is_one`] does where there are too many
+    /// corners.
+    pub(crate) fn along(&self, part: &PathPart<2>) -> Borders {
+        let within = part.within();
+        if self.is_one(within) {
+            return Borders::None;
+        }
+        RANGES.with_borrow_mut(|ranges| {
+            let Ranges {
+                registers,
+                inputs,
+                values,
+                middles,
+                slope_inputs,
+                slopes,
+            } = ranges;
+            if values.iter().any(|value| value.is_partial()) {
+                return Borders::Unknown;
+            }
+            slope_inputs.clear();
+            slope_inputs.extend(self.inputs.iter().map(|input| match *input {
+                PieceInput::Coordinate(k) => part.coordinates[k],
+                PieceInput::Fixed(x) => Slope::constant(x),
+            }));
+            slopes.clear();
+            slopes.resize(self.tape.root_count(), Slope::constant(0.0));
+            self.tape.eval_slopes(registers, slope_inputs, slopes);
+            let is_decided =
+                |(value, slope): (&Interval, &Slope)| has_one_sign(value) || slope.is_monotone();
+            let all_decided = values.iter().zip(&*slopes).all(is_decided);
+            if !all_decided {
+                self.values(registers, inputs, part.middle, middles);
+            }
+            let mut known = Borders::None;
+            for (k, (value, slope)) in values.iter().zip(&*slopes).enumerate() {
+                if has_one_sign(value) {
+                    continue;
+                }
+                if slope.is_monotone() {
+                    known = Borders::CrossedOnce;
+                    continue;
+                }
+                // The mean value theorem.
+                let reach = part.half * slope.slope.lower().abs().max(slope.slope.upper().abs());
+                let middle = &middles[k];
+                let is_far = middle.lower() > reach * ROUNDED || middle.upper() < -reach * ROUNDED;
+                if middle.is_partial() || !is_far {
+                    return Borders::Unknown;
+                }
+            }
+            known
+        })
+    }
+
+    /// Evaluates the corners on a box.
+    fn values(
+        &self,
+        registers: &mut Registers,
+        inputs: &mut Vec<Interval>,
+        within: [Interval; 2],
+        values: &mut Vec<Interval>,
+    ) {
+        inputs.clear();
+        inputs.extend(self.inputs.iter().map(|input| match *input {
+            PieceInput::Coordinate(k) => within[k],
+            PieceInput::Fixed(x) => Interval::point(x),
+        }));
+        values.clear();
+        values.resize(self.tape.root_count(), Interval::point(0.0));
+        self.tape.eval_intervals(registers, inputs, values);
+    }
+}
+
+/// Returns true if a corner has one sign, or is 0 everywhere: where what is compared is the same, both formulas are.
+fn has_one_sign(value: &Interval) -> bool {
+    let is_zero = value.lower() > -ZERO && value.upper() < ZERO;
+    !value.is_partial() && (value.lower() > 0.0 || value.upper() < 0.0 || is_zero)
 }

@@ -9,6 +9,7 @@ use expr::{Graph, Input, NodeId};
 
 use crate::point::Uv;
 use crate::smooth_pieces::SmoothPieces;
+use crate::step_path::{Borders, PathPart};
 use crate::topology::{Apex, Topology};
 
 pub use crate::jet::{Jet, JetBlock, LANES, Lanes};
@@ -36,6 +37,10 @@ pub trait Surface: Sync {
     /// that cannot be decided.
     fn is_one_piece(&self, _within: [Interval; 2]) -> bool {
         true
+    }
+    /// Returns what is known of the creases along a part of a path in the chart.
+    fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        Borders::none_if(self.is_one_piece(part.within()))
     }
     /// Returns whether positions are points in space. A metric without an embedding gives jets in a separate frame at each
     /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, must not be
@@ -191,6 +196,11 @@ impl Surface for ParametricSurface {
         self.pieces
             .as_ref()
             .is_none_or(|pieces| pieces.is_one(within))
+    }
+
+    fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        let pieces = self.pieces.as_ref();
+        pieces.map_or(Borders::None, |pieces| pieces.along(part))
     }
 
     fn instruction_count(&self) -> usize {

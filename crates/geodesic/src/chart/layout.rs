@@ -7,6 +7,7 @@ use crate::ends::Coordinates;
 use crate::point::Uv;
 use crate::scale::Scale;
 use crate::sides::{Crossing, Side, Sides};
+use crate::step_path::{Borders, PathPart};
 use crate::surface::Surface;
 use crate::topology::Apex;
 
@@ -202,8 +203,7 @@ impl ChartLayout {
     /// Returns true if all points of a box that may reach beyond sides that wrap have one smooth piece; false where that
     /// cannot be decided. Points beyond edges do not count.
     pub(crate) fn is_one_piece(&self, surface: &dyn Surface, within: [Interval; 2]) -> bool {
-        if self.contains(within.map(Interval::lower)) && self.contains(within.map(Interval::upper))
-        {
+        if self.contains_box(within) {
             return surface.is_one_piece(within);
         }
         // Each part of the box between two sides lies in one copy of the domain.
@@ -214,6 +214,21 @@ impl ChartLayout {
                 surface.is_one_piece(self.part_in_domain(part))
             })
         })
+    }
+
+    /// Returns what is known of the creases along a part of a path that may reach beyond sides that wrap; those beyond edges do
+    /// not count.
+    pub(crate) fn creases_along(&self, surface: &dyn Surface, part: &PathPart<2>) -> Borders {
+        let within = part.within();
+        if self.contains_box(within) {
+            surface.creases_along(part)
+        } else {
+            Borders::none_if(self.is_one_piece(surface, within))
+        }
+    }
+
+    fn contains_box(&self, within: [Interval; 2]) -> bool {
+        self.contains(within.map(Interval::lower)) && self.contains(within.map(Interval::upper))
     }
 
     /// Returns the ends of the parts into which the sides of an axis divide an interval, without what is beyond edges.

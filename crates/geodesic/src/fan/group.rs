@@ -5,8 +5,6 @@
 
 use std::cell::Cell;
 
-use expr::interval::Interval;
-
 use super::active_ray::ActiveRay;
 use super::coordinates::FanChart;
 use super::driver::RayPlan;
@@ -19,7 +17,7 @@ use crate::chart::{Atlas, ChartLayout, PROOFS_PER_EVALUATION};
 use crate::integrate::{self, Observed, RayEnd};
 use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
-use crate::step_path::StepPath;
+use crate::step_path::{PathPart, StepPath};
 use crate::surface::{LANES, Lanes, Surface};
 
 /// The maximum number of evaluations spent on finding the reason why a ray makes no progress.
@@ -470,11 +468,11 @@ impl<'a> Group<'a> {
             of(&trial.end, &trial.local),
         );
         let proofs = Cell::new(0);
-        let stays = |within: [Interval; 2]| {
+        let creases = |part: &PathPart<2>| {
             proofs.set(proofs.get() + 1);
-            layout.is_one_piece(surface, within)
+            layout.creases_along(surface, part)
         };
-        let share = path.first_beyond(&stays, &|at| {
+        let share = path.first_beyond(&creases, &|at| {
             layout.beyond_edge(at).is_none() && layout.smooth_piece(surface, at) != ray.piece
         });
         ray.evaluations += proofs.get() / PROOFS_PER_EVALUATION;

@@ -20,7 +20,7 @@ use crate::step_control::{
     ErrorSum, ROUNDING, SHORT, SHORTEST, SMALL_STEP, StepControl, UNDEFINED, step_after,
     step_to_try,
 };
-use crate::step_path::StepPath;
+use crate::step_path::{Borders, PathPart, StepPath};
 use crate::vector::{combine, dot, norm};
 
 /// The components of a state in space.
@@ -489,9 +489,9 @@ impl SpaceRay<'_> {
             of(&tried.end, &tried.shape),
         );
         let piece = self.equation.piece;
-        path.first_beyond(&|within| self.surface.stays_on(piece, within), &|at| {
-            self.surface.is_beyond(piece, at)
-        })
+        let borders =
+            |part: &PathPart<3>| Borders::none_if(self.surface.stays_on(piece, part.within()));
+        path.first_beyond(&borders, &|at| self.surface.is_beyond(piece, at))
     }
 
     /// Ends at an edge that a step of this length meets.

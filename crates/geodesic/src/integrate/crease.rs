@@ -19,7 +19,8 @@ use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, Local, State};
 use crate::jet::Jet;
-use crate::metric::acceleration;
+use crate::metric::{Metric, acceleration};
+use crate::point::TangentVector;
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::step_path::StepPath;
@@ -60,6 +61,8 @@ enum Found {
     Steep,
     /// A crease between two lengths ahead of the ray.
     Crease([f64; 2]),
+    /// The ray leaves its piece by less than rounding, and returns to it.
+    Grazed,
     /// The evaluations are used up.
     Nothing,
 }
@@ -114,7 +117,7 @@ impl Ray<'_, '_> {
             of(&step.end, &local),
         );
         let atlas = self.atlas;
-        path.first_beyond(&|within| atlas.is_one_piece(within), &|at| {
+        path.first_beyond(&|part| atlas.creases_along(part), &|at| {
             atlas.smooth_piece(at) != piece
         })
     }
@@ -216,13 +219,18 @@ impl Ray<'_, '_> {
         }
         // Both ends are at a distance from the crease at which rounding does not matter: a ray may meet it at a small angle.
         let (mut before, mut behind) = (low.0 - sharp, high.0 + sharp);
+        let is_behind = |length: f64| {
+            let there = change(&self.ahead(length));
+            there.is_some_and(|it| (it - low.1).abs() > (it - high.1).abs())
+        };
         for _ in 0..30 {
-            let there = change(&self.ahead(behind));
-            let is_behind = there.is_some_and(|it| (it - low.1).abs() > (it - high.1).abs());
-            if is_behind && self.is_off_crease(behind) {
+            if is_behind(behind) && self.is_off_crease(behind) {
                 break;
             }
             behind = high.0 + 2.0 * (behind - high.0);
+        }
+        if !is_behind(behind) {
+            return Found::Grazed;
         }
         for _ in 0..30 {
             if before <= 0.0 || self.is_off_crease(before) {
@@ -247,6 +255,7 @@ impl Ray<'_, '_> {
     fn approach(&mut self, found: &Found, [step, size]: [f64; 2], h: f64) -> Option<Attempt> {
         let [before, behind] = match found {
             Found::Steep => return Some(Attempt::Again(0.3 * size)),
+            Found::Grazed => return None,
             Found::Nothing => return Some(Attempt::Ended(Status::WorkLimit)),
             Found::Crease(ends) => *ends,
         };
@@ -385,6 +394,13 @@ impl Ray<'_, '_> {
         let scale = self.atlas.layout.scale.size;
         let way = 1e-4 * scale / length([jets[0].du, jets[0].dv], along);
         let off = 1e-6 * scale;
+        // Off the crease at a right angle, to the side to which the ray goes: it may cross the crease at a small angle.
+        let metric = Metric::of(&jets[0]);
+        let left = metric.turn_left(TangentVector(along)).0;
+        let goes_left = along[0] * near.velocity[1] - along[1] * near.velocity[0] > 0.0;
+        let turned = along[0] * left[1] - along[1] * left[0] > 0.0;
+        let side = if goes_left == turned { 1.0 } else { -1.0 };
+        let across = side / length([jets[0].du, jets[0].dv], left);
         let form = |jet: &Jet| {
             [
                 dot(jet.du, jet.du),
@@ -396,7 +412,7 @@ impl Ray<'_, '_> {
         let gap = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f64>();
         [-way, way].into_iter().all(|way| {
             [(near, -off), (far, off)].into_iter().all(|(state, off)| {
-                let at = [0, 1].map(|k| state.at[k] + way * along[k] + off * near.velocity[k]);
+                let at = [0, 1].map(|k| state.at[k] + way * along[k] + off * across * left[k]);
                 let found = form(&self.atlas.jet(at));
                 (gap(found, before) < gap(found, after)) == (off < 0.0)
             })

@@ -2,14 +2,15 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::MeasureError;
 use super::between::all_within;
 use super::gap::AimedPlace;
-use super::quadrature;
+use super::quadrature::{self, Integrals};
 use super::rescaled::Rescaled;
 use super::source::RaySource;
+use crate::chart::Atlas;
 use crate::jacobi::absolute_integral;
 use crate::point::Uv;
 use crate::reparametrised::Reparametrised;
@@ -50,9 +51,18 @@ const OF_RAYS: f64 = 2e-10;
 const MOST_BORDERS: usize = 64;
 /// They are located to this angle, in radians.
 const SHARP: f64 = 1e-12;
-/// The initial and the maximum number of the quadrature's intervals.
+/// Within this angle of such a direction, in radians, it is not known whether a ray passes the crease that it grazes: a ray's
+/// own error is as large.
+const GRAZING: f64 = 1e-11;
+/// The initial number of the quadrature's intervals. On a surface with creases there are more: the rays must meet the bumps that
+/// creases surround. Each interval has 15 rays, so that a bump which is seen at an angle of 0.025 or more is met.
 const FIRST: u32 = 4;
+const FIRST_OF_CREASED: u32 = 32;
+/// The maximum number of intervals before such directions are sought, and after.
+const FEW: usize = 48;
 const MOST: usize = 120;
+/// The maximum number of times that such directions are sought.
+const ROUNDS: usize = 3;
 
 enum CircleStop {
     Ray(RayStop),
@@ -126,23 +136,13 @@ fn circle_on(
         passes_conjugate |= trace.conjugates.iter().any(|s| *s < radius * (1.0 - 1e-9));
         Ok([end.m.abs(), absolute_integral(&trace.jacobi_knots)])
     };
-    let breaks: Vec<f64> = (0..=FIRST)
-        .map(|n| TAU * f64::from(n) / f64::from(FIRST))
-        .collect();
-    let found = quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray).and_then(|found| {
-        // The length of the field jumps, or is unbounded, between rays that pass different creases.
-        let borders = crease_borders(passed.take(), |angle| {
-            let (_, trace) = source
-                .follow(angle, radius, true)
-                .map_err(CircleStop::Fault)?;
-            Ok(trace.creases)
-        })?;
-        if borders.is_empty() {
-            return Ok(found);
-        }
-        let mut breaks = [breaks.as_slice(), &borders].concat();
-        breaks.sort_by(f64::total_cmp);
-        quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray)
+    let has_creases = Atlas::new(surface).layout.has_creases;
+    let first = if has_creases { FIRST_OF_CREASED } else { FIRST };
+    let found = integrate_between_borders(first, &mut ray, &passed, |angle| {
+        let (_, trace) = source
+            .follow(angle, radius, true)
+            .map_err(CircleStop::Fault)?;
+        Ok(trace.creases)
     });
     let found = match found {
         Ok(found) => found,
@@ -166,17 +166,80 @@ fn circle_on(
     }))
 }
 
-/// Returns the angles at which the number of creases that rays pass changes, from the numbers at some angles; `count` returns it
-/// at another one.
+/// Integrates over all angles, in `first` intervals or more. Between rays that pass different creases the length of the field jumps, or is unbounded: there
+/// the integral is divided. `passed` holds the angles of the rays so far, with the numbers of creases that they pass; `count`
+/// returns that number for another angle.
+fn integrate_between_borders<E>(
+    first: u32,
+    ray: &mut dyn FnMut(f64) -> Result<[f64; 2], E>,
+    passed: &RefCell<Vec<(f64, usize)>>,
+    mut count: impl FnMut(f64) -> Result<usize, E>,
+) -> Result<Integrals<2>, E> {
+    let mut breaks: Vec<f64> = (0..=first)
+        .map(|n| TAU * f64::from(n) / f64::from(first))
+        .collect();
+    let mut borders: Vec<f64> = Vec::new();
+    let mut round = 0;
+    loop {
+        let most = if round == 0 { FEW } else { MOST };
+        // By the angle alone where nothing is known of borders.
+        let mut found = if borders.is_empty() {
+            quadrature::integrate(&breaks, TOLERANCE, most, ray)?
+        } else {
+            between(&breaks, ray)?
+        };
+        let more = crease_borders(&mut passed.borrow_mut(), &borders, &mut count)?;
+        let is_whole = found.errors.iter().zip(found.values);
+        let mut is_whole = is_whole.map(|(error, value)| *error <= TOLERANCE * value);
+        if more.is_empty() && (round > 0 || is_whole.all(|it| it)) || round == ROUNDS {
+            for border in borders {
+                for beside in [border - GRAZING, border + GRAZING] {
+                    let values = ray(beside)?;
+                    for (error, value) in found.errors.iter_mut().zip(values) {
+                        // The integral over the angles in between, of a value that grows there as 1/√x.
+                        *error += 2.0 * GRAZING * value;
+                    }
+                }
+            }
+            return Ok(found);
+        }
+        borders.extend(&more);
+        breaks.extend(more);
+        breaks.sort_by(f64::total_cmp);
+        round += 1;
+    }
+}
+
+/// Integrates over the intervals between breaks. At these the function may be unbounded as 1/√x: with sin x in place of the
+/// angle it is smooth there.
+fn between<E>(
+    breaks: &[f64],
+    ray: &mut dyn FnMut(f64) -> Result<[f64; 2], E>,
+) -> Result<Integrals<2>, E> {
+    let numbers: Vec<f64> = (0..breaks.len()).map(|n| n as f64).collect();
+    quadrature::integrate(&numbers, TOLERANCE, MOST, &mut |x| {
+        let interval = (x as usize).min(breaks.len() - 2);
+        let [low, high] = [breaks[interval], breaks[interval + 1]];
+        let half = 0.5 * (high - low);
+        let (sin, cos) = (PI * (x - interval as f64 - 0.5)).sin_cos();
+        let values = ray(0.5 * (low + high) + half * sin)?;
+        Ok(values.map(|value| value * half * PI * cos))
+    })
+}
+
+/// Returns the angles at which the number of creases that rays pass changes, besides those that are known, from the numbers at
+/// some angles; `count` returns it at another one.
 fn crease_borders<E>(
-    mut passed: Vec<(f64, usize)>,
+    passed: &mut [(f64, usize)],
+    known: &[f64],
     mut count: impl FnMut(f64) -> Result<usize, E>,
 ) -> Result<Vec<f64>, E> {
     passed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut borders = Vec::new();
     for pair in passed.windows(2) {
         let [(mut low, here), (mut high, there)] = [pair[0], pair[1]];
-        if here == there || borders.len() == MOST_BORDERS {
+        let is_known = known.iter().any(|border| low <= *border && *border <= high);
+        if here == there || is_known || known.len() + borders.len() >= MOST_BORDERS {
             continue;
         }
         while high - low > SHARP {

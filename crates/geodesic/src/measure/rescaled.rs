@@ -3,11 +3,12 @@
 //!
 //! The units are powers of two, so that nothing is rounded.
 
-use expr::interval::Interval;
+use expr::interval::{Interval, Slope};
 use expr::ops::Binary;
 
 use super::MeasureError;
 use crate::point::{TangentVector, Uv};
+use crate::step_path::{Borders, PathPart};
 use crate::surface::{ChartData, Jet, Surface};
 
 /// A surface in other units of length and of its parameters.
@@ -134,6 +135,12 @@ impl Surface for Rescaled<'_> {
         let restored =
             |k: usize| Interval::binary(Binary::Mul, within[k], Interval::point(self.units[k]));
         self.surface.is_one_piece([0, 1].map(restored))
+    }
+
+    fn creases_along(&self, part: &PathPart<2>) -> Borders {
+        let unit = |k: usize| Slope::constant(self.units[k]);
+        let restored = part.changed(&|k, x| Slope::binary(Binary::Mul, x, unit(k)));
+        self.surface.creases_along(&restored)
     }
 
     fn is_embedded(&self) -> bool {
