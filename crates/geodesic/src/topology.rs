@@ -49,6 +49,8 @@ pub struct Topology {
 
 /// The maximum distance of two points that count as one, relative to the surface's size.
 const SAME_POINT: f64 = 1e-8;
+/// The difference between the sums of two gluings' kinks from which on the smaller one counts.
+const SAME_TANGENT: f64 = 1e-3;
 /// The points at which sides are compared, as fractions of the other axis: asymmetric, in pairs (s, 1−s).
 pub(crate) const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
 /// The maximum deviation from 2π of a smooth pole's total angle …
@@ -169,28 +171,38 @@ fn is_point(
             .all(|&p| distance(p, points[0]) <= SAME_POINT * size)
 }
 
-/// Returns the kind of an axis's two sides.
+/// Returns the kind of an axis's two sides. Where they are the same curve in both directions, as a segment that is run through to
+/// and fro, the direction in which the surface continues with a smaller kink counts.
 fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
-    let point = |along: f64, across: f64| jet(at(domain, place(axis, along, across))).position;
-    let joined = |other: &dyn Fn(f64) -> f64| {
+    let side = |along: f64, across: f64| jet(at(domain, place(axis, along, across)));
+    // The sum of the changes of the unit tangent across the seam; `None` if the sides are different curves.
+    let kink = |other: &dyn Fn(f64) -> f64| {
         let mut compared = 0;
+        let mut kink = 0.0;
         for across in PLACES {
-            let gap = distance(point(0.0, across), point(1.0, other(across)));
+            let ends = [side(0.0, across), side(1.0, other(across))];
+            let gap = distance(ends[0].position, ends[1].position);
             if gap.is_finite() {
                 if gap > SAME_POINT * size {
-                    return false;
+                    return None;
                 }
+                let [before, behind] = ends.map(|jet| {
+                    let tangent = if axis == 0 { jet.du } else { jet.dv };
+                    let length = norm(tangent);
+                    tangent.map(|x| x / length)
+                });
+                let change = distance(before, behind);
+                kink += if change.is_finite() { change } else { 0.0 };
                 compared += 1;
             }
         }
-        compared > PLACES.len() / 2
+        (compared > PLACES.len() / 2).then_some(kink)
     };
-    if joined(&|across| across) {
-        Side::Wrap
-    } else if joined(&|across| 1.0 - across) {
-        Side::WrapFlip
-    } else {
-        Side::Edge
+    match (kink(&|across| across), kink(&|across| 1.0 - across)) {
+        (Some(plain), Some(flipped)) if flipped + SAME_TANGENT < plain => Side::WrapFlip,
+        (Some(_), _) => Side::Wrap,
+        (None, Some(_)) => Side::WrapFlip,
+        (None, None) => Side::Edge,
     }
 }
 

@@ -246,6 +246,20 @@ fn tracing_back_returns() {
 }
 
 #[test]
+fn sides_in_which_a_surface_meets_itself_join_where_it_continues() {
+    // Both sides are one segment, which is run through to and fro.
+    let (seam, plain) = (cross_cap(0.0), cross_cap(-0.5 * PI));
+    assert_eq!(seam.sides().u, [Side::WrapFlip; 2]);
+    for (from, direction) in [([0.7, 0.6], [-1.0, 0.0]), ([0.4, -0.3], [-1.0, 0.2])] {
+        let through = go(&seam, from, direction, 1.6);
+        let beside = go(&plain, from, direction, 1.6);
+        assert_eq!(through.status, Status::Complete);
+        let error = distance(place(&through), place(&beside));
+        assert!(error < 1e-9, "{error:e}");
+    }
+}
+
+#[test]
 fn a_moebius_strip_is_passed_through_its_seam_turned_over() {
     let (seam, plain) = (moebius(0.0), moebius(-PI));
     assert_eq!(seam.sides().u, [Side::WrapFlip; 2]);

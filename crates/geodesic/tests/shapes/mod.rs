@@ -142,6 +142,38 @@ pub(crate) fn pseudosphere() -> ParametricSurface {
     m.done(p, [[0.0, TAU], [0.01, 20.0]])
 }
 
+/// The pseudosphere (sin v cos u, sin v sin u, cos v + log tan v/2) to its rim v = π/2, which is a cuspidal edge.
+#[allow(dead_code)]
+pub(crate) fn pseudosphere_to_rim() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let half = m.scale(0.5, v);
+    let tan = m.f(Unary::Tan, half);
+    let log = m.f(Unary::Log, tan);
+    let cosine = m.f(Unary::Cos, v);
+    let z = m.add(cosine, log);
+    let r = m.f(Unary::Sin, v);
+    let p = m.around(r, u, z);
+    m.done(p, [[0.0, TAU], [0.05, 0.5 * PI]])
+}
+
+/// The cross-cap (sin u sin 2v/2, sin 2u cos² v, cos 2u cos² v) with u from `low` over a half turn. For `low` = 0 the sides of
+/// constant u are the segment in which it meets itself.
+#[allow(dead_code)]
+pub(crate) fn cross_cap(low: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let [two_u, two_v] = [u, v].map(|x| m.scale(2.0, x));
+    let [sin, sin_twice] = [u, two_v].map(|x| m.f(Unary::Sin, x));
+    let cosine = m.f(Unary::Cos, v);
+    let x = m.mul(sin, sin_twice);
+    let x = m.scale(0.5, x);
+    let square = m.mul(cosine, cosine);
+    let [along, across] = [Unary::Sin, Unary::Cos].map(|op| m.f(op, two_u));
+    let (y, z) = (m.mul(along, square), m.mul(across, square));
+    m.done([x, y, z], [[low, low + PI], [-0.5 * PI, 0.5 * PI]])
+}
+
 /// The cuspidal edge (u², u³, v).
 #[allow(dead_code)]
 pub(crate) fn cuspidal() -> ParametricSurface {
