@@ -328,8 +328,10 @@ fn compared(
         return None;
     }
     let left = plan.limit.saturating_sub(atlas.evaluations());
+    // What the steps' estimates leave out: an error of the speed grows over the whole length.
+    let unchecked = UNCHECKED * end.error + end.speed_drift.abs() * end.length;
     if left < 2 * used {
-        return Some(UNCHECKED * end.error);
+        return Some(unchecked);
     }
     let whole = IntegrationPlan {
         tableau: &DOP853,
@@ -354,7 +356,7 @@ fn compared(
         }
     }
     if finer.status == Status::WorkLimit {
-        return Some(UNCHECKED * end.error);
+        return Some(unchecked);
     }
     if finer.status != end.status {
         return None;

@@ -130,6 +130,36 @@ fn the_truth_is_within_twice_the_estimate_and_half_of_it() {
 }
 
 #[test]
+fn an_unchecked_estimate_counts_the_drift_of_a_long_geodesic() {
+    // On the unit sphere, round and round. The work suffices for one run, and for no comparison.
+    let sphere = spheroid(1.0, 1.0);
+    let (from, direction, length) = ([0.3, 0.4], [0.7, 0.5], 4_000.0);
+    let options = Options {
+        max_evaluations: 400_000,
+        compare: true,
+        ..Options::default()
+    };
+    let end = trace(&sphere, from, direction, length, &options).expect("a start");
+    assert_eq!(end.status, Status::Complete);
+    let jet = sphere.jet(from.into());
+    let along = [0, 1, 2].map(|k| direction[0] * jet.du[k] + direction[1] * jet.dv[k]);
+    let size = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (sin, cos) = length.sin_cos();
+    let expected = [0, 1, 2].map(|k| cos * jet.position[k] + sin * along[k] / size);
+    let position = end.position.expect("in space");
+    let error = (0..3)
+        .map(|k| (position[k] - expected[k]).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    assert!(error > 1e-7, "too exact to tell anything: {error:e}");
+    assert!(
+        error < end.error_estimate,
+        "{error:e}, {}",
+        end.error_estimate
+    );
+}
+
+#[test]
 fn an_estimate_that_cannot_be_checked_is_a_bound() {
     let mut random = Random(7);
     let (mut worst, mut known) = (0.0_f64, 0);
