@@ -67,6 +67,29 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 #[test]
+fn curvatures_beside_a_cuspidal_edge_are_not_rounding() {
+    // K = −1 everywhere on the pseudosphere, whose rim is such an edge.
+    let surface = pseudosphere_to_rim();
+    let mut known = 0;
+    for power in 0..=20 {
+        let v = 0.5 * PI - 10.0_f64.powi(-power);
+        let found = measure::place(&surface, [1.0, v]).expect("a place");
+        if let Some(k) = found.gaussian {
+            known += 1;
+            assert!((k + 1.0).abs() < 0.03, "{v}: {found:?}");
+        }
+    }
+    assert!(known >= 4, "{known}");
+    // About a smooth pole nothing is lost.
+    for power in 1..=14 {
+        let v = 0.5 * PI - 10.0_f64.powi(-power);
+        let found = measure::place(&spheroid(1.0, 1.0), [1.0, v]).expect("a place");
+        let k = found.gaussian.expect("K");
+        assert!((k - 1.0).abs() < 1e-6, "{v}: {found:?}");
+    }
+}
+
+#[test]
 fn principal_directions_have_the_largest_and_the_smallest_curvature() {
     // Euler's theorem, on a surface whose chart is oblique: the curvatures of 360 directions lie between the two.
     let surface = triaxial(1.0, 2.0, 3.0);

@@ -1,5 +1,7 @@
 //! The curvatures and the first fundamental form at a point. In: a surface and (u, v). Out: numbers.
 
+use std::array::from_fn;
+
 use super::MeasureError;
 use crate::chart::Atlas;
 use crate::frame::Frame;
@@ -19,8 +21,8 @@ pub struct PlaceMeasures {
     pub uv: Uv,
     /// E, F, G: the coefficients of the first fundamental form.
     pub form: [f64; 3],
-    /// The Gaussian curvature K; `None` where the surface has no tangent plane, as at the tip of a cone, and where K or H
-    /// differs on both sides.
+    /// The Gaussian curvature K; `None` where the surface has no tangent plane, as at the tip of a cone, where K or H differs on
+    /// both sides, and where rounding leaves less than two of its digits.
     pub gaussian: Option<f64>,
     /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
     /// space, and where there is no K.
@@ -97,7 +99,10 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
-        principal: principal(&jet).filter(|_| surface.is_embedded() && apex.is_none() && !jumps),
+        principal: principal(&jet).filter(|_| {
+            let is_known = gaussian.is_finite() && mean.is_finite();
+            surface.is_embedded() && apex.is_none() && is_known
+        }),
     })
 }
 
@@ -217,11 +222,58 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     Some([at(first, [cos, sin]), at(second, [-sin, cos])])
 }
 
-/// Returns K and H, in the chart about a pole where (u,v) loses too many digits.
+/// Returns the error that rounding may cause in K and in H. σu and σv are sums whose terms are about as long as these vectors are
+/// elsewhere on the surface: where they are much shorter, as beside a cuspidal edge, their directions have few digits, and so
+/// has the normal.
+fn rounding(surface: &dyn Surface, jet: &Jet) -> [f64; 2] {
+    const OF_TERMS: f64 = 4.0 * f64::EPSILON;
+    let normal = cross(jet.du, jet.dv);
+    let area = norm(normal);
+    let unit = normal.map(|x| x / area);
+    let [stretch_u, stretch_v] = surface.scale().stretch;
+    let turn = OF_TERMS * (stretch_u * norm(jet.dv) + stretch_v * norm(jet.du)) / area;
+    let seconds = [jet.duu, jet.duv, jet.dvv];
+    let [l, m, n] = seconds.map(|w| dot(w, unit).abs() / area);
+    let [dl, dm, dn] = seconds.map(|w| norm(w) * turn / area);
+    let [e, f, g] = [
+        dot(jet.du, jet.du) / area,
+        dot(jet.du, jet.dv).abs() / area,
+        dot(jet.dv, jet.dv) / area,
+    ];
+    // First the change of the normal, then that of the area.
+    [
+        l * dn + n * dl + dl * dn + 2.0 * m * dm + dm * dm + 2.0 * turn * (l * n + m * m),
+        0.5 * (dl * g + 2.0 * dm * f + dn * e) + turn * (l * g + 2.0 * m * f + n * e),
+    ]
+}
+
+/// Returns K and H, or NaN for what rounding leaves without two digits.
+fn without_noise(surface: &dyn Surface, jet: &Jet, values: [f64; 2]) -> [f64; 2] {
+    const VAGUE: f64 = 0.01;
+    /// The value, in units of 1 over the surface's size or its square, below which one counts as this large.
+    const FLAT: f64 = 1e-4;
+    if !surface.is_embedded() {
+        return values;
+    }
+    let size = surface.scale().size;
+    let units = [1.0 / size / size, 1.0 / size];
+    let errors = rounding(surface, jet);
+    from_fn(|k| {
+        if errors[k] <= VAGUE * values[k].abs().max(FLAT * units[k]) {
+            values[k]
+        } else {
+            f64::NAN
+        }
+    })
+}
+
+/// Returns K and H, in the chart about a pole where (u,v) loses too many digits; elsewhere NaN for what rounding leaves without
+/// two.
 fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     let atlas = Atlas::new(surface);
     let Some(chart) = atlas.layout.pole_near(uv.0) else {
-        return curvatures(&surface.jet(uv));
+        let jet = surface.jet(uv);
+        return without_noise(surface, &jet, curvatures(&jet));
     };
     // Like the acceleration of a ray there: from six points along a line.
     let [a, b] = chart.point(uv.0);
