@@ -40,6 +40,16 @@ fn keys(document: &Value) -> Vec<&String> {
 }
 
 #[test]
+fn a_point_is_at_the_distance_0_from_itself_without_a_loop() {
+    let plane = "surface s(u,v) = (u, v, 0), u : [0, 1], v : [0, 1];";
+    let run = measure(plane, "--between 0.5,0.5 0.5,0.5");
+    run.expect_status(0)
+        .expect_text("distance 0\nno loop of length at most");
+    let found = document(plane, "--between 0.5,0.5 0.5,0.5");
+    assert_close("distance", number(&found, "distance"), 0.0, 0.0);
+}
+
+#[test]
 fn a_place_has_its_curvatures_and_its_first_form() {
     let found = document(TORUS, "--at 0,pi/3 --set r=1");
     assert_eq!(keys(&found), ["E", "F", "G", "H", "K", "principal"]);

@@ -329,7 +329,7 @@ impl Measuring<'_> {
                 .iter()
                 .map(|it| connection(it, other_start(it)))
                 .collect(),
-            note: note(&found),
+            note: note(&found, distance),
         };
         let mut text = text::between(&found, distance, &self.chart, &other_start);
         if let Some(note) = &document.note {
@@ -379,9 +379,12 @@ fn other_start(it: &Connection, from: [f64; 2], domain: [[f64; 2]; 2]) -> Option
 }
 
 /// What the list of geodesics leaves open.
-fn note(found: &Connections) -> Option<String> {
+fn note(found: &Connections, distance: Option<f64>) -> Option<String> {
     let within = show_measured(found.within);
     if found.found.is_empty() {
+        if distance == Some(0.0) {
+            return Some(format!("no loop of length at most {within} was found"));
+        }
         return Some(if found.complete {
             format!("no geodesic of length at most {within} joins the two points")
         } else {

@@ -100,9 +100,12 @@ pub(super) fn between(
     chart: &str,
     other_start: &dyn Fn(&Connection) -> Option<[f64; 2]>,
 ) -> String {
-    let Some(distance) = distance.filter(|_| !found.found.is_empty()) else {
+    let Some(distance) = distance else {
         return String::new();
     };
+    if found.found.is_empty() {
+        return format!("distance {}\n", show_measured(distance));
+    }
     let (most, kind) = match distance {
         0.0 => ("", "loop"),
         _ if found.distance_known => ("", "geodesic"),
