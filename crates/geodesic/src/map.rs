@@ -98,24 +98,48 @@ pub fn exponential_map(
     options: &MapOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
-    if !matches!(options.method, MapMethod::Rk4 { .. })
-        && let Some((moved, camera)) = Moved::for_camera(surface, frame, size)
-    {
-        let mut map = by_method(&moved, &camera, size, options, progress);
-        map.origin = frame.uv.0;
-        return map;
+    // With a zoom of 0 no geodesic needs to be integrated, and there is nothing to share.
+    let shared = shared(options.method).filter(|_| frame.zoom(surface) != 0.0);
+    let mut map = if let Some(interpolation) = shared {
+        let fan = fan_options(interpolation, options);
+        with_fan(surface, frame, size, &fan, |fan, ends| {
+            by_fan(fan, ends, size, options, progress)
+        })
+    } else {
+        let moved = match options.method {
+            // As in the thesis: in (u, v).
+            MapMethod::Rk4 { .. } => None,
+            _ => Moved::for_camera(surface, frame, size),
+        };
+        match &moved {
+            Some((moved, camera)) => pixel_by_pixel(moved, camera, size, options, progress),
+            None => pixel_by_pixel(surface, frame, size, options, progress),
+        }
+    };
+    map.origin = frame.uv.0;
+    map
+}
+
+/// Builds the fan of a picture in the coordinates in which its rays run: those of the camera for a deep zoom, those that are
+/// smooth across a seam, or the surface's own. Passes it to `read`, with its ends: in the surface's coordinates, or for a deep
+/// zoom relative to the camera.
+pub fn with_fan<R>(
+    surface: &dyn Surface,
+    frame: &Frame,
+    size: [u32; 2],
+    options: &FanOptions,
+    read: impl FnOnce(&Fan<'_>, &dyn Ends) -> R,
+) -> R {
+    if let Some((moved, camera)) = Moved::for_camera(surface, frame, size) {
+        let fan = Fan::build(&moved, &camera, size, options);
+        read(&fan, &fan)
+    } else if let Some((even, camera)) = Reparametrised::for_camera(surface, frame) {
+        let fan = Fan::build(&even, &camera, size, options);
+        read(&fan, &even.restored_ends(&fan))
+    } else {
+        let fan = Fan::build(surface, frame, size, options);
+        read(&fan, &fan)
     }
-    // Rays that pixels share need coordinates that continue smoothly beyond a seam.
-    if let Some(interpolation) = shared(options.method)
-        && frame.zoom(surface) != 0.0
-        && let Some((even, camera)) = Reparametrised::for_camera(surface, frame)
-    {
-        let fan = Fan::build(&even, &camera, size, &fan_options(interpolation, options));
-        let mut map = by_fan(&fan, &even.restored_ends(&fan), size, options, progress);
-        map.origin = frame.uv.0;
-        return map;
-    }
-    by_method(surface, frame, size, options, progress)
 }
 
 /// Returns the interpolation of a method whose rays the pixels share.
@@ -134,23 +158,6 @@ fn fan_options(interpolation: Interpolation, options: &MapOptions) -> FanOptions
         interpolation,
         max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
         ..defaults
-    }
-}
-
-fn by_method(
-    surface: &dyn Surface,
-    frame: &Frame,
-    size: [u32; 2],
-    options: &MapOptions,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Map {
-    match shared(options.method) {
-        // With a zoom of 0 no geodesic needs to be integrated, and there is nothing to share.
-        Some(interpolation) if frame.zoom(surface) != 0.0 => {
-            let fan = Fan::build(surface, frame, size, &fan_options(interpolation, options));
-            by_fan(&fan, &fan, size, options, progress)
-        }
-        _ => pixel_by_pixel(surface, frame, size, options, progress),
     }
 }
 

@@ -7,9 +7,7 @@ use geodesic::ends::{Coordinates, Ends};
 use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Map, MapMethod, MapOptions, exponential_map};
-use geodesic::moved::Moved;
 use geodesic::piecewise::PiecewiseMap;
-use geodesic::reparametrised::Reparametrised;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
@@ -196,33 +194,18 @@ impl PlacedCamera {
         let Some(interpolation) = self.method.interpolation() else {
             return RayEnds::Map(self.map(progress));
         };
-        let surface = self.manifold.surface();
         let tolerance = PIECEWISE_SHARE * self.tolerance;
-        let cut = |ends: &dyn Ends| {
+        self.with_fan(interpolation, |fan, ends| {
             progress(0.5);
-            PiecewiseMap::cut(ends, self.size, tolerance)
-        };
-        let (fan, mut piecewise);
-        let (moved, even);
-        if let Some((surface, camera)) = Moved::for_camera(surface, &self.frame, self.size) {
-            moved = surface;
-            fan = self.fan(&moved, &camera, interpolation);
-            piecewise = cut(&fan);
-        } else if let Some((surface, camera)) = Reparametrised::for_camera(surface, &self.frame) {
-            even = surface;
-            fan = self.fan(&even, &camera, interpolation);
-            piecewise = cut(&even.restored_ends(&fan));
-        } else {
-            fan = self.fan(surface, &self.frame, interpolation);
-            piecewise = cut(&fan);
-        }
-        piecewise.origin = self.frame.uv.0;
-        progress(1.0);
-        RayEnds::Piecewise {
-            work: fan.work(),
-            estimate: fan.estimate().with(piecewise.estimate),
-            piecewise: Box::new(piecewise),
-        }
+            let mut piecewise = PiecewiseMap::cut(ends, self.size, tolerance);
+            piecewise.origin = self.frame.uv.0;
+            progress(1.0);
+            RayEnds::Piecewise {
+                work: fan.work(),
+                estimate: fan.estimate().with(piecewise.estimate),
+                piecewise: Box::new(piecewise),
+            }
+        })
     }
 
     /// Computes the ends of all pixels' geodesics one by one, in f64 on all cores. `progress` receives the completed
@@ -248,23 +231,17 @@ impl PlacedCamera {
     /// `None` if the method has no estimate for each pixel.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let interpolation = self.method.interpolation()?;
-        let surface = self.manifold.surface();
-        let even = Reparametrised::for_camera(surface, &self.frame);
-        let fan = match &even {
-            Some((even, camera)) => self.fan(even, camera, interpolation),
-            None => self.fan(surface, &self.frame, interpolation),
-        };
-        Some(errors(&fan, self.size, step))
+        Some(self.with_fan(interpolation, |_, ends| errors(ends, self.size, step)))
     }
 
-    fn fan<'s>(
+    fn with_fan<R>(
         &self,
-        surface: &'s dyn Surface,
-        frame: &Frame,
         interpolation: Interpolation,
-    ) -> Fan<'s> {
+        read: impl FnOnce(&Fan<'_>, &dyn Ends) -> R,
+    ) -> R {
+        let surface = self.manifold.surface();
         let options = fan_options(self.tolerance, interpolation, self.size);
-        Fan::build(surface, frame, self.size, &options)
+        map::with_fan(surface, &self.frame, self.size, &options, read)
     }
 
     /// Returns the uniforms that an object's shape reads, by their numbers.
@@ -416,5 +393,45 @@ fn first_zoom(surface: &dyn Surface, at: [f64; 2]) -> f64 {
         FIRST_ZOOM * shorter
     } else {
         1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(source: &str, at: [f64; 2], zoom: f64) -> PlacedCamera {
+        let scene = scene::geotrace::compile(source).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let camera = GeodesicCamera {
+            pose: Pose::At {
+                at: Some(at),
+                angle: 0.3,
+                mirrored: false,
+            },
+            zoom: Some(zoom),
+            ..GeodesicCamera::new(ObjectId::new(0))
+        };
+        PlacedCamera::new(&scene, &params, &camera, [64; 2]).expect("a camera")
+    }
+
+    #[test]
+    fn errors_of_a_deep_zoom_are_those_of_the_fan_that_is_drawn() {
+        // The same surface, relative to the camera.
+        let surface = "surface s(u,v) = (u, v, 0.4 sin(3u) cos v), u : [0, 4], v : [0, 2];";
+        let relative = "surface s(u,v) = (u + 1.5, v + 0.75, 0.4 sin(3(u + 1.5)) cos(v + 0.75)), \
+            u : [-1.5, 2.5], v : [-0.75, 1.25];";
+        for zoom in [1e-3, 1e-13, 1e-15] {
+            let [found, expected] =
+                [(surface, [1.5, 0.75]), (relative, [0.0; 2])].map(|(source, at)| {
+                    placed(source, at, zoom)
+                        .errors(8)
+                        .expect("a fan has an estimate")
+                });
+            for (found, expected) in found.into_iter().zip(expected) {
+                let off = (found - expected).abs();
+                assert!(off <= 1e-3 * expected, "{found}, not {expected}, at {zoom}");
+            }
+        }
     }
 }
