@@ -13,9 +13,12 @@ use scene::{
     AffineNodes, Attribute, AttributeValue, BoundGrid, Camera, Grid, GridId, Light, Object, Param,
     ParamId, ParamValues, Range, Sampling, Scene, Shape, Solid, SolidLeaf, SolidStep,
 };
+use syntax::crt::objects::{ObjectName, ValueType};
+use syntax::geotrace::attributes::{AttributeType, AttributeWord};
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
 use tracer::Ray;
-use tracer::camera::{Bokeh, LensCamera};
+use tracer::camera::{Bokeh, LensCamera, LensProjection};
 use tracer::light::LightKind;
 use tracer::shade::{Face, FaceLook, FaceObject, LightTracer, Scenery};
 use tracer::srgb::linear;
@@ -972,4 +975,46 @@ fn an_image_that_has_no_place_on_a_solid_is_noted() {
     ));
     assert_eq!(scene.notes(), []);
     assert_eq!(scene.unplaced(|_| false).count(), 0);
+}
+
+#[test]
+fn each_word_of_a_camera_has_a_meaning_of_its_own() {
+    fn differ<T: Default + PartialEq + std::fmt::Debug>(found: &[T]) -> bool {
+        let repeats = |k: usize| found[..k].contains(&found[k]);
+        found[0] == T::default() && !(0..found.len()).any(repeats)
+    }
+    let words = |word: AttributeWord| match word.row(DeclarationKeyword::Camera) {
+        Some(row) => match row.value {
+            AttributeType::Choice(words) => words,
+            _ => panic!("{row:?}"),
+        },
+        None => panic!("{word:?}"),
+    };
+    let eye = |stated: String| {
+        let scene = of_text(&format!("camera c = (1,0,0) @ (-3,0,0), {stated};"));
+        scene.cameras()[0].lens
+    };
+    let shapes: Vec<Bokeh> = words(AttributeWord::Bokeh)
+        .iter()
+        .map(|word| eye(format!("bokeh : {word}")).bokeh)
+        .collect();
+    assert!(differ(&shapes), "{shapes:?}");
+    let projections: Vec<LensProjection> = words(AttributeWord::Projection)
+        .iter()
+        .map(|word| eye(format!("projection : {word}")).projection)
+        .collect();
+    assert!(differ(&projections), "{projections:?}");
+    // Those of scripts are the same, except for one word.
+    for (attribute, known) in [
+        ("apertureshape", words(AttributeWord::Bokeh)),
+        ("projection", words(AttributeWord::Projection)),
+    ] {
+        let row = ObjectName::Camera.attribute(attribute).expect("a row");
+        let ValueType::Choice(words) = row.value else {
+            panic!("{row:?}");
+        };
+        for word in words.iter().filter(|word| **word != "uniform") {
+            assert!(known.contains(word), "{word}");
+        }
+    }
 }

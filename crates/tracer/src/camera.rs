@@ -72,6 +72,18 @@ pub enum LensProjection {
     Cylindrical,
 }
 
+impl LensProjection {
+    /// Returns the projection with this name in programs.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "pinhole" => Self::Pinhole,
+            "spherical" => Self::Spherical,
+            "cylindrical" => Self::Cylindrical,
+            _ => return None,
+        })
+    }
+}
+
 /// The shape of a lens, and of what lies out of focus.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Bokeh {
@@ -88,6 +100,25 @@ pub enum Bokeh {
     Box,
     /// A normal distribution, whose standard deviation is the lens' radius.
     Gaussian,
+}
+
+impl Bokeh {
+    /// Returns the shape with this name in programs.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "circle" => Self::Circle,
+            "line" => Self::Line,
+            "triangle" => Self::Polygon(3),
+            "square" => Self::Polygon(4),
+            "pentagon" => Self::Polygon(5),
+            "hexagon" => Self::Polygon(6),
+            "octagon" => Self::Polygon(8),
+            "star" => Self::Star,
+            "box" => Self::Box,
+            "gaussian" => Self::Gaussian,
+            _ => return None,
+        })
+    }
 }
 
 /// The corners of a star, both its tips and those between them.

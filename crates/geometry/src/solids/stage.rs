@@ -286,23 +286,9 @@ pub(super) fn cameras(
         return (Vec::new(), 0);
     };
     let tape = Tape::new(&scene.graph, &[camera.direction, camera.position].concat());
-    let projection = match stated_word(&object.attributes, "projection") {
-        Some("spherical") => LensProjection::Spherical,
-        Some("cylindrical") => LensProjection::Cylindrical,
-        _ => LensProjection::Pinhole,
-    };
-    let bokeh = match stated_word(&object.attributes, "bokeh") {
-        Some("line") => Bokeh::Line,
-        Some("triangle") => Bokeh::Polygon(3),
-        Some("square") => Bokeh::Polygon(4),
-        Some("pentagon") => Bokeh::Polygon(5),
-        Some("hexagon") => Bokeh::Polygon(6),
-        Some("octagon") => Bokeh::Polygon(8),
-        Some("star") => Bokeh::Star,
-        Some("box") => Bokeh::Box,
-        Some("gaussian") => Bokeh::Gaussian,
-        _ => Bokeh::Circle,
-    };
+    let word = |attribute: &str| stated_word(&object.attributes, attribute);
+    let projection = word("projection").and_then(LensProjection::from_name);
+    let bokeh = word("bokeh").and_then(Bokeh::from_name);
     let lens_unit = match picture_look {
         PictureLook::Geotrace => 1.0,
         PictureLook::Crt => 1.0 / CRT_APERTURES,
@@ -327,8 +313,8 @@ pub(super) fn cameras(
             roll: 0.0,
             focus,
             aperture: 0.0,
-            bokeh,
-            projection,
+            bokeh: bokeh.unwrap_or_default(),
+            projection: projection.unwrap_or_default(),
             sharp: match picture_look {
                 PictureLook::Geotrace => SharpPlaces::Plane,
                 PictureLook::Crt => SharpPlaces::Ball,
