@@ -14,7 +14,7 @@ use scene::{
     ParamId, ParamValues, Range, Sampling, Scene, Shape, Solid, SolidLeaf, SolidStep,
 };
 use syntax::crt::objects::{ObjectName, ValueType};
-use syntax::geotrace::attributes::{AttributeType, AttributeWord};
+use syntax::geotrace::attributes::{self, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
 use tracer::Ray;
@@ -1016,5 +1016,69 @@ fn each_word_of_a_camera_has_a_meaning_of_its_own() {
         for word in words.iter().filter(|word| **word != "uniform") {
             assert!(known.contains(word), "{word}");
         }
+    }
+}
+
+#[test]
+fn to_state_the_default_of_an_attribute_changes_nothing() {
+    let standard = StandardLights {
+        ambient: 0.2,
+        fill: 0.3,
+        key: 0.5,
+        key_direction: DVec3::Y,
+    };
+    let seen = |text: &str| {
+        let scene = scene::geotrace::compile(text).scene?;
+        let scene = Writer { scene }.prepared();
+        let lens = scene.cameras()[0].lens;
+        let down = ray([0.1, 0.2, 5.0], [0.0, 0.0, -1.0]);
+        let look = first(&scene, &down).map(|face| scene.look(&face, &|_, _| None));
+        Some(format!(
+            "{lens:?} {:?} {look:?} {:?}",
+            scene.lights(&lens, &standard),
+            scene.glass()
+        ))
+    };
+    let mut compared = Vec::new();
+    for (keyword, declaration) in [
+        (DeclarationKeyword::Camera, "camera c = (1,0,0) @ (-3,0,0)"),
+        (DeclarationKeyword::Light, "light l = (0,0,-1) @ (0,0,4)"),
+        (
+            DeclarationKeyword::Light,
+            "light l = (0,0,-1) @ (0,0,4), radius : 1",
+        ),
+        (
+            DeclarationKeyword::Solid,
+            "solid s(x,y,z) = x^2 + y^2 + z^2 - 1, color : 0.5",
+        ),
+        (
+            DeclarationKeyword::Solid,
+            "solid s(x,y,z) = x^2 + y^2 + z^2 - 1, glass : 0.5",
+        ),
+        (
+            DeclarationKeyword::Surface,
+            "surface s(u,v) = (u, v, 0), u : [-1, 1], v : [-1, 1]",
+        ),
+    ] {
+        let eye = match keyword {
+            DeclarationKeyword::Camera => "",
+            _ => "camera c = (1,0,0) @ (-3,0,0);",
+        };
+        let plain = seen(&format!("{eye} {declaration};")).expect("no errors");
+        for row in attributes::of(keyword) {
+            let is_number = matches!(
+                row.value,
+                AttributeType::Number(_) | AttributeType::Colour(_)
+            );
+            let stated = format!("{eye} {declaration}, {} : {};", row.text, row.default);
+            // A default that is no expression is a phrase.
+            if let Some(stated) = seen(&stated).filter(|_| is_number) {
+                assert_eq!(stated, plain, "{declaration}, {}", row.text);
+                compared.push(row.text);
+            }
+        }
+    }
+    for word in ["fov", "angle", "soft", "ior", "specular", "shininess"] {
+        assert!(compared.contains(&word), "{word}: {compared:?}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the declarations of a scene, and the 3D view's defaults where there are none. Out: the data that rays need.
 
-use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use expr::Input;
@@ -229,7 +229,7 @@ pub(super) fn lights(
             return;
         }
         let mut radius = None;
-        let (mut angle, mut soft) = (FRAC_PI_3, 0.2);
+        let (mut angle, mut soft) = (PI / 3.0, 0.2);
         let mut light = Light::new(LightKind::Parallel(DVec3::ZERO), DVec3::ONE);
         let mut power = 1.0;
         attributes.at(

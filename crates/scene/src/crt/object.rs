@@ -17,37 +17,55 @@ use super::run::{Interpreter, Stopped};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings, ScriptValue};
 use super::vector;
 
-/// The values of an object's attributes, with their spans. All required ones are present, and all have the types of the
-/// table.
-struct Stated(HashMap<&'static str, (ScriptValue, Span)>);
+/// The values of an object's attributes that are stated, with their spans. All required ones are present, and all have the
+/// types of the table. A number, a vector, a colour or a string that is not stated has the default of the table.
+struct Stated {
+    object: ObjectName,
+    values: HashMap<&'static str, (ScriptValue, Span)>,
+}
 
 impl Stated {
+    /// Returns the values of an object that states nothing.
+    fn nothing(object: ObjectName) -> Self {
+        Self {
+            object,
+            values: HashMap::new(),
+        }
+    }
+
     fn get(&self, word: &str) -> Option<&ScriptValue> {
-        self.0.get(word).map(|(value, _)| value)
+        self.values.get(word).map(|(value, _)| value)
     }
 
     fn span(&self, word: &str) -> Option<Span> {
-        self.0.get(word).map(|(_, span)| *span)
+        self.values.get(word).map(|(_, span)| *span)
+    }
+
+    fn default(&self, word: &str) -> Option<DefaultValue> {
+        self.object.attribute(word).map(|row| row.default)
     }
 
     fn number(&self, word: &str) -> Option<f64> {
-        self.get(word)?.number()
-    }
-
-    fn number_or(&self, word: &str, other: f64) -> f64 {
-        self.number(word).unwrap_or(other)
+        match (self.get(word), self.default(word)?) {
+            (Some(value), _) => value.number(),
+            (None, DefaultValue::Number(number)) => Some(number),
+            (None, DefaultValue::Integer(number)) => Some(number.into()),
+            _ => None,
+        }
     }
 
     fn triple(&self, word: &str) -> Option<[f64; 3]> {
-        match self.get(word)? {
-            ScriptValue::Vector(parts) | ScriptValue::Colour(parts) => Some(*parts),
+        match (self.get(word), self.default(word)?) {
+            (Some(ScriptValue::Vector(parts) | ScriptValue::Colour(parts)), _) => Some(*parts),
+            (None, DefaultValue::Vector(parts) | DefaultValue::Colour(parts)) => Some(parts),
             _ => None,
         }
     }
 
     fn text(&self, word: &str) -> Option<Arc<str>> {
-        match self.get(word)? {
-            ScriptValue::Text(text) => Some(text.clone()),
+        match (self.get(word), self.default(word)?) {
+            (Some(ScriptValue::Text(text)), _) => Some(text.clone()),
+            (None, DefaultValue::Text(text)) => Some(text.into()),
             _ => None,
         }
     }
@@ -69,7 +87,7 @@ impl Interpreter<'_> {
             ObjectName::Camera => self.camera(&stated, span),
             ObjectName::Background => Ok(ScriptValue::Background(Arc::new(Background {
                 image: stated.text("image"),
-                angle: stated.number_or("angle", 0.0),
+                angle: stated.number("angle").unwrap_or_default(),
                 horizon: stated.triple("horizon"),
                 sky: stated.triple("sky"),
                 colour: stated.triple("color"),
@@ -77,7 +95,7 @@ impl Interpreter<'_> {
             ObjectName::PointLight
             | ObjectName::ParallelLight
             | ObjectName::SpotLight
-            | ObjectName::CylinderLight => self.light(name, &stated, span),
+            | ObjectName::CylinderLight => self.light(&stated, span),
             ObjectName::Settings => Err(Stopped),
             entity => self.entity(entity, &stated, object),
         }
@@ -90,24 +108,10 @@ impl Interpreter<'_> {
         span: Span,
     ) -> Result<ScriptSettings, Stopped> {
         let stated = self.attributes(ObjectName::Settings, attributes)?;
-        let whole = |word: &str, other: u32| match stated.get(word) {
-            Some(ScriptValue::Integer(number)) => u32::try_from(*number).unwrap_or(other),
-            _ => other,
-        };
-        let lights = match stated.get("lights") {
-            Some(ScriptValue::List(list)) => {
-                let lights = list.items.iter().filter_map(|item| match item {
-                    ScriptValue::Light(light) => Some(light.clone()),
-                    _ => None,
-                });
-                lights.collect()
-            }
-            _ => Vec::new(),
-        };
-        let (supersampling, dofsamples) = (whole("supersampling", 1), whole("dofsamples", 1));
-        let samples = u64::from(supersampling)
+        let settings = settings(&stated);
+        let samples = u64::from(settings.supersampling)
             .pow(2)
-            .saturating_mul(dofsamples.into());
+            .saturating_mul(settings.dofsamples.into());
         if samples > MAX_SAMPLES {
             let at = stated.span("dofsamples").or(stated.span("supersampling"));
             let message = format!(
@@ -115,21 +119,7 @@ impl Interpreter<'_> {
             );
             return Err(self.fault(codes::OUT_OF_RANGE, at.unwrap_or(span), message));
         }
-        Ok(ScriptSettings {
-            gamma: stated.number_or("gamma", 1.0),
-            background: match stated.get("background") {
-                Some(ScriptValue::Background(background)) => Some(background.clone()),
-                _ => None,
-            },
-            camera: match stated.get("camera") {
-                Some(ScriptValue::Camera(camera)) => Some(camera.clone()),
-                _ => None,
-            },
-            lights,
-            supersampling,
-            dofsamples,
-            recursiondepth: whole("recursiondepth", 3),
-        })
+        Ok(settings)
     }
 
     /// Evaluates all attributes in the order of the text; the last one with a name counts.
@@ -159,7 +149,10 @@ impl Interpreter<'_> {
         if !is_whole || required.any(|row| !stated.contains_key(row.text)) {
             return Err(Stopped);
         }
-        Ok(Stated(stated))
+        Ok(Stated {
+            object: name,
+            values: stated,
+        })
     }
 
     /// Checks a value against its row of the table.
@@ -249,19 +242,7 @@ impl Interpreter<'_> {
     }
 
     fn camera(&mut self, stated: &Stated, span: Span) -> Result<ScriptValue, Stopped> {
-        let default = ScriptCamera::default();
-        let camera = ScriptCamera {
-            position: stated.triple("position").unwrap_or(default.position),
-            pointing: stated.triple("pointing").unwrap_or(default.pointing),
-            fov: stated.number_or("fov", default.fov),
-            aperture: stated.number_or("aperture", default.aperture),
-            focaldistance: stated.number_or("focaldistance", default.focaldistance),
-            apertureshape: stated
-                .text("apertureshape")
-                .unwrap_or(default.apertureshape),
-            roll: stated.number_or("roll", default.roll),
-            projection: stated.text("projection").unwrap_or(default.projection),
-        };
+        let camera = camera(stated);
         self.direction(
             vector::sub(camera.pointing, camera.position),
             "pointing",
@@ -279,12 +260,7 @@ impl Interpreter<'_> {
         Ok(ScriptValue::Camera(Arc::new(camera)))
     }
 
-    fn light(
-        &mut self,
-        name: ObjectName,
-        stated: &Stated,
-        span: Span,
-    ) -> Result<ScriptValue, Stopped> {
+    fn light(&mut self, stated: &Stated, span: Span) -> Result<ScriptValue, Stopped> {
         let from = stated.triple("origin").or(stated.triple("from"));
         let direction = match (from, stated.triple("pointing")) {
             (Some(from), Some(pointing)) => {
@@ -298,11 +274,11 @@ impl Interpreter<'_> {
             position: stated.triple("origin"),
             direction,
             colour: stated.triple("color").unwrap_or([1.0; 3]),
-            ambient: stated.number_or("ambient", 0.0),
-            falloff: stated.number_or("falloff", -1.0),
-            angle: (name == ObjectName::SpotLight).then(|| stated.number_or("angle", 60.0)),
+            ambient: stated.number("ambient").unwrap_or_default(),
+            falloff: stated.number("falloff").unwrap_or_default(),
+            angle: stated.number("angle"),
             radius: stated.number("radius"),
-            softness: stated.number_or("softness", 0.2),
+            softness: stated.number("softness").unwrap_or_default(),
         })))
     }
 
@@ -329,7 +305,8 @@ impl Interpreter<'_> {
         object: &Object,
     ) -> Result<ScriptValue, Stopped> {
         let at = |word: &str| stated.triple(word).unwrap_or_default();
-        let radius = stated.number_or("radius", 1.0);
+        let number = |word: &str| stated.number(word).unwrap_or_default();
+        let radius = number("radius");
         let span = object.name.span;
         let mut second = None;
         let first = match name {
@@ -367,9 +344,8 @@ impl Interpreter<'_> {
                 (shape, frame(unit, sides, at("base")))
             }
             _ => {
-                let normal = stated.triple("normal").unwrap_or([0.0, 1.0, 0.0]);
-                let normal = self.direction(normal, "normal", stated, span)?;
-                let tube = stated.number_or("tube", 1.0) / radius;
+                let normal = self.direction(at("normal"), "normal", stated, span)?;
+                let tube = number("tube") / radius;
                 let map = frame(normal, [radius; 3], at("center"));
                 if tube > 1.0 {
                     // If the tube extends beyond the axis, the equation leaves a hollow.
@@ -422,22 +398,79 @@ fn frame(z: [f64; 3], [a, b, c]: [f64; 3], at: [f64; 3]) -> Map {
 }
 
 fn material(stated: &Stated) -> Material {
-    let default = Material::default();
-    let number = |word: &str| {
-        let row = ObjectName::Material.attribute(word);
-        let other = match row.map(|row| row.default) {
-            Some(DefaultValue::Number(number)) => number,
-            _ => 0.0,
-        };
-        stated.number_or(word, other)
-    };
+    let number = |word: &str| stated.number(word).unwrap_or_default();
     Material {
-        colour: stated.triple("color").unwrap_or(default.colour),
+        colour: stated.triple("color").unwrap_or_default(),
         reflectivity: number("reflectivity"),
         transparency: number("transparency"),
         refractiveindex: number("refractiveindex"),
         diffuse: stated.number("diffuse"),
         specularity: number("specularity"),
         shininess: number("shininess"),
+    }
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        material(&Stated::nothing(ObjectName::Material))
+    }
+}
+
+fn camera(stated: &Stated) -> ScriptCamera {
+    let number = |word: &str| stated.number(word).unwrap_or_default();
+    ScriptCamera {
+        position: stated.triple("position").unwrap_or_default(),
+        pointing: stated.triple("pointing").unwrap_or_default(),
+        fov: number("fov"),
+        aperture: number("aperture"),
+        focaldistance: number("focaldistance"),
+        apertureshape: stated.text("apertureshape").unwrap_or_default(),
+        roll: number("roll"),
+        projection: stated.text("projection").unwrap_or_default(),
+    }
+}
+
+impl Default for ScriptCamera {
+    fn default() -> Self {
+        Self {
+            position: [0.0, 0.0, -1.0],
+            fov: 60.0,
+            ..camera(&Stated::nothing(ObjectName::Camera))
+        }
+    }
+}
+
+fn settings(stated: &Stated) -> ScriptSettings {
+    let whole = |word: &str| stated.number(word).unwrap_or_default() as u32;
+    let lights = match stated.get("lights") {
+        Some(ScriptValue::List(list)) => {
+            let lights = list.items.iter().filter_map(|item| match item {
+                ScriptValue::Light(light) => Some(light.clone()),
+                _ => None,
+            });
+            lights.collect()
+        }
+        _ => Vec::new(),
+    };
+    ScriptSettings {
+        gamma: stated.number("gamma").unwrap_or_default(),
+        background: match stated.get("background") {
+            Some(ScriptValue::Background(background)) => Some(background.clone()),
+            _ => None,
+        },
+        camera: match stated.get("camera") {
+            Some(ScriptValue::Camera(camera)) => Some(camera.clone()),
+            _ => None,
+        },
+        lights,
+        supersampling: whole("supersampling"),
+        dofsamples: whole("dofsamples"),
+        recursiondepth: whole("recursiondepth"),
+    }
+}
+
+impl Default for ScriptSettings {
+    fn default() -> Self {
+        settings(&Stated::nothing(ObjectName::Settings))
     }
 }

@@ -107,49 +107,6 @@ pub(super) struct ScriptSettings {
     pub(super) recursiondepth: u32,
 }
 
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            colour: [0.5; 3],
-            reflectivity: 0.0,
-            transparency: 0.0,
-            refractiveindex: 1.5,
-            diffuse: None,
-            specularity: 0.0,
-            shininess: 3.0,
-        }
-    }
-}
-
-impl Default for ScriptCamera {
-    fn default() -> Self {
-        Self {
-            position: [0.0, 0.0, -1.0],
-            pointing: [0.0; 3],
-            fov: 60.0,
-            aperture: 3.0,
-            focaldistance: 0.5,
-            apertureshape: "circle".into(),
-            roll: 0.0,
-            projection: "pinhole".into(),
-        }
-    }
-}
-
-impl Default for ScriptSettings {
-    fn default() -> Self {
-        Self {
-            gamma: 1.0,
-            background: None,
-            camera: None,
-            lights: Vec::new(),
-            supersampling: 1,
-            dofsamples: 1,
-            recursiondepth: 3,
-        }
-    }
-}
-
 /// The maximum length of the text of a value, in characters; approximate for lists.
 pub(super) const LONGEST: usize = 200;
 
