@@ -391,6 +391,23 @@ fn textures_and_bumps_move_along() {
 }
 
 #[test]
+fn a_height_whose_gradient_is_the_same_everywhere_tilts_normals() {
+    let scene = of_text(
+        "solid s(x,y,z) = x^2 + y^2 + z^2 - 1, bump : 0.3x;
+        solid t(x,y,z) = (x - 4)^2 + y^2 + z^2 - 1, bump : 0.3;",
+    );
+    let above = |x: f64| ray([x, 0.2, 5.0], [0.0, 0.0, -1.0]);
+    assert_eq!(look(&scene, &above(0.1)).bump, 0.3 * DVec3::X);
+    assert_eq!(look(&scene, &above(4.1)).bump, DVec3::ZERO);
+    let leaf = |x: f64| match first(&scene, &above(x)).map(|face| face.of) {
+        Some(FaceObject::Solid { leaf, .. }) => leaf,
+        other => panic!("{other:?}"),
+    };
+    let varying = |x: f64| scene.varying_look(leaf(x)).expect("no image").is_some();
+    assert!(varying(0.1) && !varying(4.1));
+}
+
+#[test]
 fn what_is_out_of_range_or_undefined_is_noted() {
     let mut writer = Writer::default();
     let one = writer.number(1.0);

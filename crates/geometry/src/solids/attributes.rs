@@ -413,16 +413,19 @@ impl AttributeGroup {
                     continue;
                 }
             }
+            // The normals that a height tilts depend on the point even where its gradient does not.
+            let is_slope = |value: &NodeId| own.value(*value) != Some(0.0);
+            let tilts = attribute == A::Bump && values.iter().any(is_slope);
             slots.push(Slot {
                 attribute,
                 first: compiled.len(),
                 width: values.len(),
-                varies: reads_place(&own, &values),
+                varies: tilts || reads_place(&own, &values),
             });
             compiled.extend(values);
         }
         let tape = Tape::new(&own, &compiled);
-        let varies = reads_place(&own, &compiled);
+        let varies = slots.iter().any(|slot| slot.varies);
         Self {
             map: map.map(|map| AffineTape::new(graph, map)),
             tape,
