@@ -39,6 +39,20 @@ struct MapKey {
     moving: bool,
 }
 
+impl MapKey {
+    fn of(surface: Content, options: &GeodesicOptions, request: &PictureRequest) -> Self {
+        Self {
+            surface,
+            options: GeodesicOptions {
+                mark_centre: true,
+                ..options.clone()
+            },
+            size: request.size,
+            moving: request.moving,
+        }
+    }
+}
+
 /// Surfaces and maps.
 #[derive(Debug)]
 pub(super) struct MapCache {
@@ -73,15 +87,7 @@ impl MapCache {
         let id = options.camera.surface;
         let surface = first_instance(&request.scene, &request.params, &structures, id)
             .ok_or(ManifoldError::NoSurface { name: None })?;
-        let key = MapKey {
-            surface,
-            options: GeodesicOptions {
-                mark_centre: true,
-                ..options.clone()
-            },
-            size: request.size,
-            moving: request.moving,
-        };
+        let key = MapKey::of(surface, options, request);
         if let Some(map) = used(&mut self.maps, &key) {
             // Its surface is in use too.
             self.surfaces.get(&key.surface);
@@ -91,7 +97,7 @@ impl MapCache {
         let ends = Arc::new(camera.ends(progress));
         shared.followed += 1;
         let map = Arc::new(CachedMap { camera, ends });
-        keep(&mut self.maps, key, map.clone());
+        keep(&mut self.maps, MAPS, key, map.clone());
         Ok(map)
     }
 
@@ -130,21 +136,21 @@ impl MapCache {
     }
 }
 
-/// Returns the map of a key, and moves it to the end.
-fn used<K: PartialEq, T>(maps: &mut Vec<(K, Arc<T>)>, key: &K) -> Option<Arc<T>> {
-    let at = maps.iter().position(|(known, _)| known == key)?;
-    let known = maps.remove(at);
-    let map = known.1.clone();
-    maps.push(known);
-    Some(map)
+/// Returns the value of a key, and moves it to the end.
+fn used<K: PartialEq, T>(kept: &mut Vec<(K, Arc<T>)>, key: &K) -> Option<Arc<T>> {
+    let at = kept.iter().position(|(known, _)| known == key)?;
+    let known = kept.remove(at);
+    let value = known.1.clone();
+    kept.push(known);
+    Some(value)
 }
 
-/// Adds a map; the least recently used one is evicted.
-fn keep<K, T>(maps: &mut Vec<(K, Arc<T>)>, key: K, map: Arc<T>) {
-    if maps.len() >= MAPS {
-        maps.remove(0);
+/// Adds a value; of more than `most`, the least recently used one is evicted.
+fn keep<K, T>(kept: &mut Vec<(K, Arc<T>)>, most: usize, key: K, value: Arc<T>) {
+    if kept.len() >= most {
+        kept.remove(0);
     }
-    maps.push((key, map));
+    kept.push((key, value));
 }
 
 /// A camera on a solid with the ends of its geodesics.
@@ -181,15 +187,8 @@ impl SolidMapCache {
         options: &GeodesicOptions,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Arc<SolidMap>, RenderError> {
-        let key = MapKey {
-            surface: key(shared, request, options)?,
-            options: GeodesicOptions {
-                mark_centre: true,
-                ..options.clone()
-            },
-            size: request.size,
-            moving: request.moving,
-        };
+        let surface = content_of(shared, request, options)?;
+        let key = MapKey::of(surface, options, request);
         if let Some(map) = used(&mut self.maps, &key) {
             return Ok(map);
         }
@@ -197,7 +196,7 @@ impl SolidMapCache {
         let map = camera.ends(progress)?;
         shared.followed += 1;
         let map = Arc::new((camera, map));
-        keep(&mut self.maps, key, map.clone());
+        keep(&mut self.maps, MAPS, key, map.clone());
         Ok(map)
     }
 
@@ -212,16 +211,12 @@ impl SolidMapCache {
         options: &GeodesicOptions,
     ) -> Result<PlacedSolidCamera, RenderError> {
         let (scene, id) = (&request.scene, options.camera.surface);
-        let key = key(shared, request, options)?;
-        let known = self.solids.iter().find(|(known, _)| *known == key);
-        let solid = match known {
-            Some((_, solid)) => solid.clone(),
+        let content = content_of(shared, request, options)?;
+        let solid = match used(&mut self.solids, &content) {
+            Some(solid) => solid,
             None => {
                 let solid = Arc::new(SolidSurface::new(scene, &request.params, id)?);
-                if self.solids.len() >= SURFACES {
-                    self.solids.remove(0);
-                }
-                self.solids.push((key, solid.clone()));
+                keep(&mut self.solids, SURFACES, content, solid.clone());
                 solid
             }
         };
@@ -268,7 +263,7 @@ impl SolidMapCache {
 }
 
 /// Returns the content of a solid, everything on which it depends.
-fn key(
+fn content_of(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &GeodesicOptions,
@@ -277,4 +272,39 @@ fn key(
     let structures = shared.structures.get(scene.arc());
     let content = first_instance(scene, params, &structures, options.camera.surface);
     Ok(content.ok_or(ManifoldError::NoSurface { name: None })?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::ParamValues;
+
+    #[test]
+    fn a_solid_that_is_used_is_kept() {
+        let names = ["p", "q", "r", "s", "t"];
+        assert_eq!(names.len(), SURFACES + 1);
+        let balls = names
+            .map(|name| format!("solid {name}(x,y,z) = x^2 + y^2 + z^2 - 1;"))
+            .concat();
+        let scene = scene::geotrace::compile(&balls).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let first = GeodesicOptions::new(ObjectId::new(0));
+        let request = PictureRequest::new(scene, params, first, [4; 2]);
+        let (mut shared, mut cache) = (SharedState::default(), SolidMapCache::default());
+        let mut place = |k: usize| {
+            let options = GeodesicOptions::new(ObjectId::new(k));
+            let camera = cache.place(&mut shared, &request, &options);
+            camera.expect("a camera")
+        };
+        let solids: Vec<_> = (0..SURFACES).map(&mut place).collect();
+        let mut is_kept = |k: usize| {
+            let before = solids.get(k).map(PlacedSolidCamera::solid);
+            let now = place(k);
+            before.is_some_and(|before| std::ptr::eq(now.solid(), before))
+        };
+        assert!(is_kept(0));
+        // One more than are kept: the one that has not been used for longest is evicted.
+        assert!(!is_kept(SURFACES));
+        assert!(is_kept(0) && is_kept(SURFACES - 1) && !is_kept(1));
+    }
 }
