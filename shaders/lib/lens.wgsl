@@ -6,6 +6,7 @@ const AXIS_LIGHTS: u32 = 2u;
 
 const PROJECTION_PINHOLE: u32 = 0u;
 const PROJECTION_SPHERICAL: u32 = 1u;
+const PROJECTION_CYLINDRICAL: u32 = 2u;
 
 const BOKEH_CIRCLE: u32 = 0u;
 const BOKEH_LINE: u32 = 1u;

@@ -232,7 +232,7 @@ fn read_polynomial(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t:
     let begin = max(part.x, behind_t);
     let leaving = pieces[piece].equation == ray.leaving;
     let changes = piece_changes(piece, line, leaving);
-    let is_inside = inside_after(changes, begin) != (pieces[piece].kind >= 256u);
+    let is_inside = inside_after(changes, begin) != (pieces[piece].kind >= OPPOSITE_PIECE);
     var inside = is_inside;
     for (var j = 0u; j < changes.count; j++) {
         let t = changes.places[j];

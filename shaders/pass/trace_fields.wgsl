@@ -67,7 +67,7 @@ fn field_along(line: FieldLine, a: f32, b: f32) -> Range {
 // depend on `behind_t`, so that no event is found twice.
 fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
     let field = field_line(piece, line);
-    let opposite = pieces[piece].kind >= 256u;
+    let opposite = pieces[piece].kind >= OPPOSITE_PIECE;
     let begin = max(part.x, behind_t);
     // True until the surface that the ray leaves is known to be behind it.
     var is_leaving = pieces[piece].equation == ray.leaving && part.x <= ray.slack;

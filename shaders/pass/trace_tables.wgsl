@@ -4,8 +4,11 @@ const NONE: u32 = 0xffffffffu;
 const LOOK_CRT: u32 = 1u;
 const SIDES_BOTH: u32 = 0u;
 const SIDES_OUTER: u32 = 1u;
+const SIDES_NONE: u32 = 2u;
 // The kind of a piece that a field bounds, in place of the degree.
 const FIELD_PIECE: u32 = 255u;
+// The piece is inside where its polynomial or its field is positive.
+const OPPOSITE_PIECE: u32 = 256u;
 // What a material lets through depends on the place, or its colour does.
 const VARIES_THROUGH: u32 = 0x10000u;
 const VARIES_COLOR: u32 = 0x20000u;
@@ -77,7 +80,7 @@ struct Piece {
     frame: u32,
     equation: u32,
     leaf: u32,
-    // The degree, or FIELD_PIECE; plus 256 if the piece is inside where the polynomial or the field is positive.
+    // The degree, or FIELD_PIECE; plus OPPOSITE_PIECE or 0.
     kind: u32,
     // 64 times the first term, plus their number; for a field its first word.
     terms: u32,

@@ -124,7 +124,7 @@ impl Bokeh {
 /// The corners of a star, both its tips and those between them.
 pub const STAR_CORNERS: u32 = 10;
 /// The distance of a star's inner corners from its centre.
-const STAR_INNER: f64 = 0.382;
+pub const STAR_INNER: f64 = 0.382;
 
 /// The steps in two, four and six dimensions: 2³²/φ, 2³²/φ², … as whole numbers
 const STEPS_2: [u32; 2] = [3_242_174_889, 2_447_445_413];

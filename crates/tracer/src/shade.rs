@@ -20,6 +20,7 @@ use crate::sheet::SheetHit;
 use crate::sheets::Sheets;
 use crate::world::World;
 
+pub use crt::PARALLEL_REACH;
 pub use paths::{EyeSample, LightTracer};
 
 /// The look of a face at a place; colours are linear.

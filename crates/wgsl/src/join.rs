@@ -58,6 +58,21 @@ impl Joined {
             .collect()
     }
 
+    /// Returns the names of its constants that are numbers, with their values.
+    ///
+    /// Codes exist twice, in WGSL and in Rust; tests compare the two with this.
+    pub fn constants(&self) -> impl Iterator<Item = (&str, f64)> {
+        let all = self.module.constants.iter();
+        all.filter_map(|(_, constant)| {
+            let value = match self.module.global_expressions[constant.init] {
+                naga::Expression::Literal(naga::Literal::U32(value)) => f64::from(value),
+                naga::Expression::Literal(naga::Literal::F32(value)) => f64::from(value),
+                _ => return None,
+            };
+            Some((constant.name.as_deref()?, value))
+        })
+    }
+
     /// Returns the size in bytes of a struct with its padding; 0 if there is no such struct.
     pub fn struct_size(&self, name: &str) -> u32 {
         self.module

@@ -9,6 +9,7 @@
 //! The pass is fixed except for the functions of a scene's expressions. An edit that leaves their text unchanged writes
 //! buffers and compiles nothing.
 
+mod codes;
 mod lens;
 mod pipelines;
 mod tables;
@@ -213,7 +214,7 @@ impl Bound<'_> {
             endless: task.tables.world.endless as u32,
             boxes: task.tables.world.boxes.len() as u32,
             bounces: task.bounces,
-            look: u32::from(task.look == PictureLook::Crt),
+            look: codes::LOOK_CRT * u32::from(task.look == PictureLook::Crt),
             least_weight: task.look.least_weight() as f32,
             order_at: places.order,
             terms_at: places.terms,

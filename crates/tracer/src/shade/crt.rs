@@ -12,7 +12,7 @@ use super::lights::LitFace;
 use crate::light::Light;
 
 /// The distance within which faces keep parallel light from others.
-pub(super) const PARALLEL_REACH: f64 = 1e4;
+pub const PARALLEL_REACH: f64 = 1e4;
 
 /// Returns the share, by colour, that a face sends of the light from everywhere.
 pub(super) fn ambient(look: &FaceLook) -> DVec3 {

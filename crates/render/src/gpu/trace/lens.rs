@@ -5,6 +5,7 @@ use tracer::camera::{Bokeh, LensCamera, LensProjection, STAR_CORNERS, SampleAxes
 use tracer::light::{Light, LightKind};
 
 use crate::gpu::layout::{Lens, ShaderLight};
+use crate::gpu::trace::codes;
 
 /// Converts a camera; its position is relative to `origin`.
 pub(super) fn lens_of(
@@ -14,14 +15,13 @@ pub(super) fn lens_of(
     origin: DVec3,
 ) -> Lens {
     let [right, up, forward] = camera.axes();
-    // The numbers of the kinds are those of lib/lens.wgsl.
     let (bokeh, corners) = match camera.bokeh {
-        Bokeh::Circle => (0, 0),
-        Bokeh::Line => (1, 0),
-        Bokeh::Box => (2, 0),
-        Bokeh::Gaussian => (3, 0),
-        Bokeh::Polygon(count) => (4, count),
-        Bokeh::Star => (5, STAR_CORNERS),
+        Bokeh::Circle => (codes::BOKEH_CIRCLE, 0),
+        Bokeh::Line => (codes::BOKEH_LINE, 0),
+        Bokeh::Box => (codes::BOKEH_BOX, 0),
+        Bokeh::Gaussian => (codes::BOKEH_GAUSSIAN, 0),
+        Bokeh::Polygon(count) => (codes::BOKEH_POLYGON, count),
+        Bokeh::Star => (codes::BOKEH_STAR, STAR_CORNERS),
     };
     Lens {
         right: three(right),
@@ -34,14 +34,15 @@ pub(super) fn lens_of(
         tangent: (0.5 * camera.fov).tan() as f32,
         size,
         projection: match camera.projection {
-            LensProjection::Pinhole => 0,
-            LensProjection::Spherical => 1,
-            LensProjection::Cylindrical => 2,
+            LensProjection::Pinhole => codes::PROJECTION_PINHOLE,
+            LensProjection::Spherical => codes::PROJECTION_SPHERICAL,
+            LensProjection::Cylindrical => codes::PROJECTION_CYLINDRICAL,
         },
         ball: u32::from(camera.sharp == SharpPlaces::Ball),
         bokeh,
         corners,
-        axes: u32::from(axes.lens) + 2 * u32::from(axes.lights),
+        axes: (codes::AXIS_LENS * u32::from(axes.lens))
+            | (codes::AXIS_LIGHTS * u32::from(axes.lights)),
         grid: axes.grid.unwrap_or(0),
     }
 }
@@ -50,20 +51,32 @@ pub(super) fn lens_of(
 pub(super) fn light_of(light: &Light, origin: DVec3) -> ShaderLight {
     let nowhere = DVec3::ZERO;
     let (kind, position, direction, edge, soft) = match light.kind {
-        LightKind::Point(position) => (0, position - origin, nowhere, 0.0, 0.0),
-        LightKind::Parallel(direction) => (1, nowhere, direction, 0.0, 0.0),
+        LightKind::Point(position) => (codes::LIGHT_POINT, position - origin, nowhere, 0.0, 0.0),
+        LightKind::Parallel(direction) => (codes::LIGHT_PARALLEL, nowhere, direction, 0.0, 0.0),
         LightKind::Spot {
             position,
             direction,
             angle,
             soft,
-        } => (2, position - origin, direction, 0.5 * angle, soft),
+        } => (
+            codes::LIGHT_SPOT,
+            position - origin,
+            direction,
+            0.5 * angle,
+            soft,
+        ),
         LightKind::Beam {
             position,
             direction,
             radius,
             soft,
-        } => (3, position - origin, direction, radius, soft),
+        } => (
+            codes::LIGHT_BEAM,
+            position - origin,
+            direction,
+            radius,
+            soft,
+        ),
     };
     ShaderLight {
         position: three(position),

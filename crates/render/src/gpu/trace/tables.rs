@@ -1,6 +1,7 @@
 //! The tables of a scene in f32, in buffers.
 
 use bytemuck::{Pod, Zeroable};
+use geometry::solids::VaryingAttribute;
 use glam::{DVec3, DVec4};
 use tracer::BoundingBox;
 use tracer::shade::{FaceSides, Glass};
@@ -9,6 +10,7 @@ use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow, SurfaceRow};
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{BoxNode, Component, FaceMaterial, Leaf, LeafPiece};
+use crate::gpu::trace::codes;
 use crate::gpu::trace::lens::three;
 use crate::solids::{AttributeList, SceneTables, TableField, TableLook};
 
@@ -20,15 +22,8 @@ const CORNER_SLACK: f64 = 4e-6;
 const EVERYWHERE: f64 = 1e15;
 /// The value of "no parent" in 15 bits.
 const NO_PARENT: u32 = 0x7fff;
-/// Marks a material whose transmission depends on the point.
-const VARIES_THROUGH: u32 = 1 << 16;
-const VARIES_COLOR: u32 = 1 << 17;
 /// The material of components without glass.
 const NO_GLASS: u32 = u32::MAX;
-/// Marks a piece that a field bounds.
-const FIELD_PIECE: u32 = 255;
-/// The number of words of a list before its attributes.
-const LIST_HEAD: u32 = 16;
 /// The highest bit.
 const FLAG: u32 = 1 << 31;
 
@@ -187,9 +182,9 @@ fn leaf(tables: &SceneTables, row: &LeafRow) -> Leaf {
         gate: literal(row.gate),
         material: look,
         sides: match sides {
-            FaceSides::Both => 0,
-            FaceSides::Outer => 1,
-            FaceSides::None => 2,
+            FaceSides::Both => codes::SIDES_BOTH,
+            FaceSides::Outer => codes::SIDES_OUTER,
+            FaceSides::None => codes::SIDES_NONE,
         },
         padding: [0; 2],
     }
@@ -201,12 +196,12 @@ fn piece(row: &PieceRow, fields: &[u32]) -> LeafPiece {
         literal: literal(row.literal),
         frame: row.frame,
         equation: row.equation,
-        kind: if row.opposite { 256 } else { 0 },
+        kind: codes::OPPOSITE_PIECE * u32::from(row.opposite),
         ..LeafPiece::zeroed()
     };
     match row.surface {
         SurfaceRow::Field(field) => LeafPiece {
-            kind: piece.kind | FIELD_PIECE,
+            kind: piece.kind | codes::FIELD_PIECE,
             terms: fields[field as usize],
             ..piece
         },
@@ -230,9 +225,8 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
         // The remainder after mirror and glass is known only at a point.
         _ => base.diffuse.unwrap_or(-1.0),
     };
-    let flag = |varies: bool, flag: u32| if varies { flag } else { 0 };
-    let through = flag(look.varies_through(), VARIES_THROUGH);
-    let colour = flag(look.varies_in_colour(), VARIES_COLOR);
+    let through = codes::VARIES_THROUGH * u32::from(look.varies_through());
+    let colour = codes::VARIES_COLOR * u32::from(look.varies_in_colour());
     FaceMaterial {
         color: three(base.colour),
         scattered: scattered as f32,
@@ -245,11 +239,24 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
     }
 }
 
+fn varied(attribute: VaryingAttribute) -> u32 {
+    match attribute {
+        VaryingAttribute::Colour => codes::VARIED_COLOR,
+        VaryingAttribute::Mirror => codes::VARIED_MIRROR,
+        VaryingAttribute::Glass => codes::VARIED_GLASS,
+        VaryingAttribute::Diffuse => codes::VARIED_DIFFUSE,
+        VaryingAttribute::Specular => codes::VARIED_SPECULAR,
+        VaryingAttribute::Shininess => codes::VARIED_SHININESS,
+        VaryingAttribute::Bump => codes::VARIED_BUMP,
+    }
+}
+
 /// Adds the words of a list, in the format of pass/trace_varied.wgsl.
 fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
-    let flags = u32::from(list.along.is_some()) | u32::from(list.bright) << 1;
+    let along = codes::LIST_ALONG * u32::from(list.along.is_some());
+    let flags = along | (codes::LIST_BRIGHT * u32::from(list.bright));
     let count = list.attributes.len() as u32;
-    let all = LIST_HEAD + count + list.numbers.len() as u32;
+    let all = codes::LIST_HEAD + count + list.numbers.len() as u32;
     words.extend([list.function, count, flags, all]);
     let axes = list.frame.matrix3.transpose();
     let shift = list.frame.translation;
@@ -265,8 +272,7 @@ fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
     }
     let rows = rows.iter().flat_map(|row| row.to_array());
     words.extend(rows.map(|number| (number as f32).to_bits()));
-    // The numbers of the attributes are those of pass/trace_varied.wgsl.
-    words.extend(list.attributes.iter().map(|attribute| *attribute as u32));
+    words.extend(list.attributes.iter().map(|attribute| varied(*attribute)));
     words.extend(list.numbers.iter().map(|&number| used(number).to_bits()));
 }
 
@@ -276,6 +282,7 @@ fn add_field(words: &mut Vec<u32>, field: &TableField) -> u32 {
     words.push(field.function);
     let frame = field.frame.iter().flat_map(|place| three(*place));
     words.extend(frame.map(f32::to_bits));
+    debug_assert_eq!(words.len() as u32, first + codes::FIELD_HEAD);
     words.extend(field.numbers.iter().map(|&number| used(number).to_bits()));
     first
 }
