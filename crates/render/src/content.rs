@@ -47,6 +47,11 @@ enum WordTag {
     Axis,
     Placement,
     Geodesic,
+    Leaf,
+    Union,
+    Intersection,
+    Difference,
+    Instances,
 }
 
 impl Structure {
@@ -280,12 +285,15 @@ impl<'a> Writer<'a> {
     fn solid(&mut self, solid: &Solid) {
         for step in &solid.steps {
             match step {
-                SolidStep::Leaf(leaf) => self.words.extend([0, u64::from(*leaf)]),
-                SolidStep::Union => self.words.push(1),
-                SolidStep::Intersection => self.words.push(2),
-                SolidStep::Difference => self.words.push(3),
+                SolidStep::Leaf(leaf) => {
+                    self.words.extend([WordTag::Leaf as u64, u64::from(*leaf)])
+                }
+                SolidStep::Union => self.words.push(WordTag::Union as u64),
+                SolidStep::Intersection => self.words.push(WordTag::Intersection as u64),
+                SolidStep::Difference => self.words.push(WordTag::Difference as u64),
                 SolidStep::Instances(grids) => {
-                    self.words.extend([4, grids.len() as u64]);
+                    self.words
+                        .extend([WordTag::Instances as u64, grids.len() as u64]);
                     for bound in grids {
                         let known = self.united.iter().position(|it| it == bound);
                         let number = known.unwrap_or_else(|| {

@@ -281,38 +281,50 @@ impl PictureRequest {
             return Cow::Borrowed(self);
         };
         let number = |id: ObjectId| self.scene.number_in(&made, id);
-        let all = |ids: &[ObjectId]| ids.iter().filter_map(|id| number(*id)).collect();
+        let renumber = |id: &mut ObjectId| number(*id).map(|new| *id = new).is_some();
         let mut whole = self.clone();
-        let textures = self.textures.iter();
-        let textures = textures.filter_map(|(id, texture)| Some((number(*id)?, texture.clone())));
-        whole.textures = textures.collect();
-        let colours = self.colours.iter();
-        let colours = colours.filter_map(|(id, colour)| Some((number(*id)?, *colour)));
-        whole.colours = colours.collect();
-        whole.flipped = all(&self.flipped);
-        whole.curved = all(&self.curved);
-        let trails = self.trails.iter().filter_map(|trail| {
-            let surface = number(trail.surface)?;
-            Some(match surface == trail.surface {
-                true => trail.clone(),
-                false => Shared::from(Trail {
+        // Exhaustive, so that a new field that names objects is not forgotten.
+        let Self {
+            scene,
+            params: _,
+            view,
+            size: _,
+            textures,
+            images: _,
+            background_image: _,
+            flipped,
+            curved,
+            theme: _,
+            colours,
+            overlays: _,
+            scale: _,
+            trails,
+            moving: _,
+        } = &mut whole;
+        textures.retain_mut(|(id, _)| renumber(id));
+        colours.retain_mut(|(id, _)| renumber(id));
+        flipped.retain_mut(renumber);
+        curved.retain_mut(renumber);
+        trails.retain_mut(|trail| {
+            let surface = number(trail.surface);
+            if let Some(surface) = surface.filter(|surface| *surface != trail.surface) {
+                let moved = Trail {
                     surface,
                     ..Trail::clone(trail)
-                }),
-            })
+                };
+                *trail = moved.into();
+            }
+            surface.is_some()
         });
-        whole.trails = trails.collect();
         if let Some(camera) = self.view.shown_camera() {
             let surface = number(camera.surface).unwrap_or(ObjectId::new(u32::MAX as usize));
-            whole
-                .view
-                .show_camera(GeodesicCamera { surface, ..*camera });
+            view.show_camera(GeodesicCamera { surface, ..*camera });
         }
-        if let Some(space) = whole.view.space_mut() {
-            space.hidden = all(&space.hidden);
+        if let Some(space) = view.space_mut() {
+            space.hidden.retain_mut(renumber);
             space.highlight = space.highlight.and_then(number);
         }
-        whole.scene = made.into();
+        *scene = made.into();
         Cow::Owned(whole)
     }
 

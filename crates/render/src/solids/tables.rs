@@ -317,21 +317,37 @@ impl LookTable {
 impl AttributeList {
     /// Adds the bits that distinguish lists.
     fn add_bits(&self, bits: &mut Vec<u64>) {
-        bits.push(u64::from(self.function));
-        bits.push(self.attributes.len() as u64);
-        bits.extend(self.attributes.iter().map(|attribute| *attribute as u64));
-        let along = self.along.unwrap_or([f64::NAN; 2]);
-        let frame = self.frame.to_cols_array();
-        let numbers = frame.iter().chain(&along).chain(&self.numbers);
+        let Self {
+            function,
+            attributes,
+            frame,
+            along,
+            bright,
+            numbers,
+        } = self;
+        bits.extend([u64::from(*function), u64::from(*bright)]);
+        bits.push(attributes.len() as u64);
+        bits.extend(attributes.iter().map(|attribute| *attribute as u64));
+        let along = along.unwrap_or([f64::NAN; 2]);
+        let frame = frame.to_cols_array();
+        let numbers = frame.iter().chain(&along).chain(numbers);
         bits.extend(numbers.map(|number| number.to_bits()));
     }
 }
 
 /// Returns the bits of the numbers of a look.
 fn bits(look: &FaceLook) -> Vec<u64> {
-    let scattered = look.diffuse.unwrap_or(-1.0);
-    let shares = [scattered, look.specular, look.shininess, look.glass];
-    let colours = [look.colour, look.mirror].map(|colour| colour.to_array());
-    let numbers = shares.iter().chain(colours.iter().flatten());
+    let FaceLook {
+        colour,
+        diffuse,
+        specular,
+        shininess,
+        mirror,
+        glass,
+        bump,
+    } = *look;
+    let shares = [diffuse.unwrap_or(-1.0), specular, shininess, glass];
+    let vectors = [colour, mirror, bump].map(|vector| vector.to_array());
+    let numbers = shares.iter().chain(vectors.iter().flatten());
     numbers.map(|number| number.to_bits()).collect()
 }

@@ -39,6 +39,7 @@ use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::{BackendUsed, RenderedImage};
 use crate::request::part::SpaceOptions;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
+use crate::shared::Shared;
 use crate::solids::{self, SceneTables, TracedScene, cut_short_note};
 use crate::style;
 
@@ -239,9 +240,9 @@ struct TracedRenderer {
 }
 
 /// Everything on which the light of a traced picture depends.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct TracedContent {
-    scene: Arc<TracedScene>,
+    scene: Shared<TracedScene>,
     camera: LensCamera,
     size: [u32; 2],
     bounces: u32,
@@ -249,13 +250,6 @@ struct TracedContent {
 }
 
 impl TracedContent {
-    /// Returns true if another picture has the same light.
-    fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.scene, &other.scene)
-            && (self.camera, self.size) == (other.camera, other.size)
-            && (self.bounces, self.grid) == (other.bounces, other.grid)
-    }
-
     /// Adds the missing samples in f64. Returns false if the picture has been abandoned.
     ///
     /// # Errors
@@ -330,7 +324,7 @@ impl TracedContent {
         } = self;
         scene.with_scenery(camera, *bounces, |scenery| {
             let task = TraceTask {
-                scene,
+                scene: scene.arc(),
                 tables,
                 lights: scenery.lights,
                 camera,
@@ -433,14 +427,14 @@ impl ViewRenderer for TracedRenderer {
             camera.aperture = 0.0;
         }
         let content = TracedContent {
-            scene: scene.clone(),
+            scene: Shared::from(&scene),
             camera,
             size: request.size,
             bounces: settings.bounces,
             grid,
         };
         let kept = self.sums.take();
-        let kept = kept.filter(|(known, sums)| known.is(&content) && sums.samples() <= wanted);
+        let kept = kept.filter(|(known, sums)| *known == content && sums.samples() <= wanted);
         let (content, mut sums) = kept.unwrap_or_else(|| (content, LightSums::new(request.size)));
         let before = sums.samples();
         let interrupt = &shared.interrupt;
