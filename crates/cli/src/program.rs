@@ -93,10 +93,7 @@ impl LoadedProgram {
     /// # Errors
     /// [`Failure::Input`] if its derivatives are too large, [`Failure::Usage`] for other objects.
     pub(crate) fn manifold(&self, id: ObjectId, params: &ParamValues) -> Result<Manifold, Failure> {
-        let scene = self.scene();
-        let object = scene.get(id);
-        let uniforms = object.map(|object| params.first_instance(scene, object));
-        let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
+        let manifold = Manifold::first(self.scene(), params, id);
         manifold.map_err(|error| match &error {
             ManifoldError::NoSurface { .. } => Failure::usage(error.to_string()),
             ManifoldError::TooLarge { name } => Failure::Input {

@@ -26,6 +26,17 @@ pub enum Input {
     Uniform(u32),
 }
 
+impl Input {
+    /// Returns its value among those of the variables and the uniforms, by their numbers; NaN if it has none.
+    pub fn value(self, variables: &[f64], uniforms: &[f64]) -> f64 {
+        let value = match self {
+            Self::Variable(k) => variables.get(k as usize),
+            Self::Uniform(k) => uniforms.get(k as usize),
+        };
+        value.copied().unwrap_or(f64::NAN)
+    }
+}
+
 /// One node: a leaf, or an operation on nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Node {

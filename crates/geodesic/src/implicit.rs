@@ -270,10 +270,7 @@ impl ImplicitSurface {
             .inputs(&roots)
             .into_iter()
             .filter_map(|input| match input {
-                Input::Uniform(k) => {
-                    let number = uniforms.get(k as usize).copied().unwrap_or(f64::NAN);
-                    Some((input, graph.constant(number)))
-                }
+                Input::Uniform(_) => Some((input, graph.constant(input.value(&[], uniforms)))),
                 Input::Variable(_) => None,
             })
             .collect();

@@ -72,10 +72,7 @@ impl MetricSurface {
         let (mut graph, form) = graph.extract(&form);
         let variables = [Input::Variable(0), Input::Variable(1)];
         let jets = JetTape::new(&graph, &form, variables, Order::Second)?;
-        let value = |input: &Input| match *input {
-            Input::Variable(_) => f64::NAN,
-            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-        };
+        let value = |input: &Input| input.value(&[], uniforms);
         let values: Vec<f64> = jets.uniforms().iter().map(value).collect();
         let fixed = jets.fix(&values);
         let pieces = SmoothPieces::of(&graph, &form, value)?;

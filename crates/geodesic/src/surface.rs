@@ -142,10 +142,7 @@ impl ParametricSurface {
     ) -> Result<Self, TooLarge> {
         let variables = [Input::Variable(0), Input::Variable(1)];
         let tape = JetTape::new(graph, &position, variables, Order::Second)?;
-        let value = |input: &Input| match *input {
-            Input::Variable(_) => f64::NAN,
-            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-        };
+        let value = |input: &Input| input.value(&[], uniforms);
         let values: Vec<f64> = tape.uniforms().iter().map(value).collect();
         let fixed = tape.fix(&values);
         let pieces = SmoothPieces::of(graph, &position, value)?;

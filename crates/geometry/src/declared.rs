@@ -1,6 +1,5 @@
 //! Declared geodesics. In: a scene's declarations and the values of its params. Out: knots of all instances.
 
-use expr::Input;
 use expr::tape::{Registers, Tape};
 use geodesic::implicit::ImplicitSurface;
 use rayon::prelude::*;
@@ -81,7 +80,7 @@ pub fn follow_declared_over(
     let on = scene.get(surface);
     let shared = on
         .filter(|on| on.grids.is_empty())
-        .map(|on| Manifold::new(scene, surface, &params.first_instance(scene, on)));
+        .map(|_| Manifold::first(scene, params, surface));
     let line = |index: u64, max_evaluations: u64| -> InstanceLine {
         let nowhere = || KnotLine::nowhere(lengths.len());
         let uniforms = params.instance(scene, object, index);
@@ -141,11 +140,8 @@ fn follow_in_space(
             let name = path.solid.to_owned();
             return nowhere(ManifoldError::TooLarge { name }.to_string());
         };
-        let number = |input: &Input| match *input {
-            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-            Input::Variable(_) => f64::NAN,
-        };
-        let inputs: Vec<f64> = start.inputs().iter().map(number).collect();
+        let inputs = start.inputs().iter();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&[], &uniforms)).collect();
         let mut out = [f64::NAN; 6];
         start.eval(&mut Registers::default(), &inputs, &mut out);
         let [a, b, c, x, y, z] = out;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::topology::Apex;
-use scene::{ObjectId, Sampling, Scene};
+use scene::{ObjectId, ParamValues, Sampling, Scene};
 
 use crate::polyline_cache::{ChartPolyline, GeodesicSegment, PolylineCache};
 
@@ -57,6 +57,16 @@ pub enum ManifoldError {
 }
 
 impl Manifold {
+    /// Compiles the first instance of an object.
+    ///
+    /// # Errors
+    /// See [`ManifoldError`].
+    pub fn first(scene: &Scene, params: &ParamValues, id: ObjectId) -> Result<Self, ManifoldError> {
+        let object = scene.get(id);
+        let uniforms = object.map(|object| params.first_instance(scene, object));
+        Self::new(scene, id, &uniforms.unwrap_or_default())
+    }
+
     /// Compiles an object with the uniforms of one of its instances.
     ///
     /// # Errors

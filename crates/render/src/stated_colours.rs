@@ -170,13 +170,8 @@ fn colours(
     rows.for_each_init(Registers::default, |registers, (texels, &v)| {
         let mut values = vec![f64::NAN; tape.root_count()];
         for (texel, &u) in texels.iter_mut().zip(us) {
-            let number = |input: &Input| match *input {
-                Input::Variable(0) => u,
-                Input::Variable(1) => v,
-                Input::Variable(_) => f64::NAN,
-                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-            };
-            let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
+            let inputs = tape.inputs().iter();
+            let inputs: Vec<f64> = inputs.map(|it| it.value(&[u, v], uniforms)).collect();
             tape.eval(registers, &inputs, &mut values);
             if let Some(colour) = srgb_of(&values) {
                 let [r, g, b] = colour.map(|part| (255.0 * part).round() as u8);

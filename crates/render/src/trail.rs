@@ -239,9 +239,7 @@ pub(crate) struct SpaceTrail {
 
 /// Returns a trail in space; `None` on a metric.
 pub(crate) fn in_space(scene: &Scene, params: &ParamValues, trail: &Trail) -> Option<SpaceTrail> {
-    let object = scene.get(trail.surface)?;
-    let uniforms = params.first_instance(scene, object);
-    let manifold = Manifold::new(scene, trail.surface, &uniforms).ok()?;
+    let manifold = Manifold::first(scene, params, trail.surface).ok()?;
     let surface: &dyn Surface = manifold.surface();
     surface.is_embedded().then(|| {
         let place = |uv: [f64; 2]| {

@@ -4,7 +4,7 @@
 //! that the expression depends on.
 
 use expr::tape::{Registers, Tape};
-use expr::{Graph, Input, value};
+use expr::{Graph, value};
 use syntax::diagnostic::Diagnostic;
 
 use crate::param_values::ParamValues;
@@ -69,11 +69,7 @@ pub(crate) fn evaluate(
         let inputs: Vec<f64> = tape
             .inputs()
             .iter()
-            .map(|input| match input {
-                Input::Uniform(index) => uniforms.get(*index as usize).copied(),
-                Input::Variable(_) => None,
-            })
-            .map(|number| number.unwrap_or(f64::NAN))
+            .map(|input| input.value(&[], uniforms))
             .collect();
         tape.eval(&mut registers, &inputs, &mut numbers);
         let mut defined = numbers

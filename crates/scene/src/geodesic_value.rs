@@ -545,12 +545,8 @@ pub(crate) fn numbers(
     variables: &[f64],
 ) -> Vec<f64> {
     let tape = Tape::new(graph, nodes);
-    let number = |input: &Input| match *input {
-        Input::Uniform(k) => uniforms.get(k as usize).copied(),
-        Input::Variable(k) => variables.get(k as usize).copied(),
-    };
     let inputs = tape.inputs().iter();
-    let inputs: Vec<f64> = inputs.map(|it| number(it).unwrap_or(f64::NAN)).collect();
+    let inputs: Vec<f64> = inputs.map(|it| it.value(variables, uniforms)).collect();
     let mut out = vec![f64::NAN; nodes.len()];
     tape.eval(&mut Registers::default(), &inputs, &mut out);
     out

@@ -4,7 +4,7 @@
 //! it cannot start.
 
 use expr::tape::{Registers, Tape};
-use expr::{Graph, Input, NodeId};
+use expr::{Graph, NodeId};
 
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::scene::{ObjectId, Range, Scene};
@@ -57,14 +57,8 @@ impl InitialConditionsEvaluator {
         &mut self,
         uniforms: &[f64],
     ) -> Result<InitialConditions, InitialConditionsError> {
-        let number = |input: &Input| match *input {
-            Input::Uniform(index) => uniforms.get(index as usize).copied(),
-            Input::Variable(_) => None,
-        };
         let inputs = self.tape.inputs().iter();
-        let inputs: Vec<f64> = inputs
-            .map(|input| number(input).unwrap_or(f64::NAN))
-            .collect();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&[], uniforms)).collect();
         let mut out = [f64::NAN; 5];
         self.tape.eval(&mut self.registers, &inputs, &mut out);
         let [a, b, u, v, unit] = out;

@@ -9,7 +9,7 @@
 //! `sin^2 u` does at the poles of a sphere.
 
 use expr::tape::{Registers, Tape};
-use expr::{Graph, Input, NodeId};
+use expr::{Graph, NodeId};
 
 use crate::scene::Sampling;
 
@@ -161,14 +161,8 @@ impl Search<'_> {
 
     fn point(&mut self, share: [f64; 2]) -> Point {
         let at = self.parameters(share);
-        let number = |input: &Input| match *input {
-            Input::Variable(index) => at.get(index as usize).copied(),
-            Input::Uniform(index) => self.uniforms.get(index as usize).copied(),
-        };
         let inputs = self.tape.inputs().iter();
-        let inputs: Vec<f64> = inputs
-            .map(|input| number(input).unwrap_or(f64::NAN))
-            .collect();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&at, self.uniforms)).collect();
         let mut form = [f64::NAN; 3];
         self.tape.eval(&mut self.registers, &inputs, &mut form);
         Point { share, form }

@@ -172,10 +172,7 @@ impl Subject {
     /// # Errors
     /// [`ManifoldError`] if it is not a surface or metric.
     pub fn manifold(&self) -> Result<Manifold, ManifoldError> {
-        let object = self.scene.get(self.surface);
-        let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
-        let uniforms = self.param_values.first_instance(&self.scene, object);
-        Manifold::new(&self.scene, self.surface, &uniforms)
+        Manifold::first(&self.scene, &self.param_values, self.surface)
     }
 
     /// Returns the surface, metric or solid, ready for geodesics.

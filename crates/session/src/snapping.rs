@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use expr::Input;
 use expr::tape::{Registers, Tape};
 use geodesic::surface::{Side, Surface};
 use geodesic::vector::{dot, norm};
@@ -194,7 +193,7 @@ fn from_inside<'t>(
 ) -> Option<Snap> {
     let targets: Vec<&SnapTarget> = targets.collect();
     let surface = targets.first()?.surface;
-    let manifold = manifold(&request.scene, &request.params, surface)?;
+    let manifold = Manifold::first(&request.scene, &request.params, surface).ok()?;
     let surface = manifold.surface();
     let mut place = |dx: f64, dy: f64| {
         let pixel = PixelPoint([at.0[0] + dx, at.0[1] + dy]);
@@ -258,7 +257,8 @@ fn corners(request: &PictureRequest) -> Vec<SnapTarget> {
     let mut all = Vec::new();
     for (id, uv) in marks {
         if last.as_ref().is_none_or(|(known, _)| *known != id) {
-            last = manifold(&request.scene, &request.params, id).map(|it| (id, it));
+            let manifold = Manifold::first(&request.scene, &request.params, id);
+            last = manifold.ok().map(|it| (id, it));
         }
         if let Some((_, manifold)) = &last {
             all.push(target(manifold.surface(), id, uv));
@@ -279,7 +279,7 @@ fn declared(scene: &Scene, params: &ParamValues) -> Vec<SnapTarget> {
         if object.shape.manifold().is_none() {
             continue;
         }
-        let Some(manifold) = manifold(scene, params, id) else {
+        let Ok(manifold) = Manifold::first(scene, params, id) else {
             continue;
         };
         let surface = manifold.surface();
@@ -296,11 +296,6 @@ fn declared(scene: &Scene, params: &ParamValues) -> Vec<SnapTarget> {
         }
     }
     all
-}
-
-fn manifold(scene: &Scene, params: &ParamValues, id: ObjectId) -> Option<Manifold> {
-    let uniforms = params.first_instance(scene, scene.get(id)?);
-    Manifold::new(scene, id, &uniforms).ok()
 }
 
 fn target(surface: &dyn Surface, id: ObjectId, uv: [f64; 2]) -> SnapTarget {
@@ -321,11 +316,8 @@ fn positions(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 
     let instances = params.instance_count(scene, object).min(INSTANCES);
     let place = |index: u64| {
         let uniforms = params.instance(scene, object, index);
-        let number = |input: &Input| match *input {
-            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-            Input::Variable(_) => f64::NAN,
-        };
-        let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
+        let inputs = tape.inputs().iter();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&[], &uniforms)).collect();
         let mut out = [f64::NAN; 3];
         tape.eval(&mut Registers::default(), &inputs, &mut out);
         out
@@ -378,14 +370,15 @@ fn distance(PixelPoint(a): PixelPoint, PixelPoint(b): PixelPoint) -> f64 {
 mod tests {
     use scene::{ObjectId, ParamValues};
 
-    use super::{declared, locate, manifold};
+    use super::{declared, locate};
+    use geometry::Manifold;
 
     #[test]
     fn a_point_of_a_surface_is_found_and_no_other() {
         let text = "surface s(u, v) = ((2 + cos v) cos u, (2 + cos v) sin u, sin v), u : [0, 2pi], v : [0, 2pi];";
         let scene = scene::geotrace::compile(text).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
-        let torus = manifold(&scene, &params, ObjectId::new(0)).expect("a surface");
+        let torus = Manifold::first(&scene, &params, ObjectId::new(0)).expect("a surface");
         let place = |u: f64, v: f64| {
             let r = 2.0 + v.cos();
             [r * u.cos(), r * u.sin(), v.sin()]

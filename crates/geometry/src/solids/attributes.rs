@@ -183,13 +183,11 @@ pub(super) fn evaluated<R>(
     read: impl FnOnce(&[f64]) -> R,
 ) -> R {
     SCRATCH.with_borrow_mut(|scratch| {
-        let inputs = tape.inputs().iter().map(|input| match *input {
-            Input::Variable(k) => variables.get(k as usize),
-            Input::Uniform(k) => uniforms.get(k as usize),
-        });
+        let inputs = tape.inputs().iter();
         scratch.inputs.clear();
-        let inputs = inputs.map(|number| number.copied().unwrap_or(f64::NAN));
-        scratch.inputs.extend(inputs);
+        scratch
+            .inputs
+            .extend(inputs.map(|it| it.value(variables, uniforms)));
         scratch.out.clear();
         scratch.out.resize(tape.root_count(), f64::NAN);
         tape.eval(&mut scratch.registers, &scratch.inputs, &mut scratch.out);

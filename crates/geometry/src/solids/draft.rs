@@ -328,10 +328,7 @@ impl<'a> Draft<'a> {
         self.content.looks.push(look);
         for instance in 0..count.min(room) {
             let uniforms: Arc<[f64]> = params.instance(scene, object, instance).into();
-            let number_of = |input: Input| match input {
-                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-                Input::Variable(_) => f64::NAN,
-            };
+            let number_of = |input: Input| input.value(&[], &uniforms);
             let sheet = Sheet::new(&scene.graph, *position, domain, &number_of);
             let Ok(sheet) = sheet else {
                 return self.note(object, RayFault::TooLarge);

@@ -173,11 +173,8 @@ impl<'a> StatedColour<'a> {
     }
 
     fn at(&mut self, uniforms: &[f64]) -> Option<[f64; 3]> {
-        let number = |input: &Input| match *input {
-            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-            Input::Variable(_) => f64::NAN,
-        };
-        let inputs: Vec<f64> = self.tape.inputs().iter().map(number).collect();
+        let inputs = self.tape.inputs().iter();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&[], uniforms)).collect();
         let mut out = vec![f64::NAN; self.tape.root_count()];
         self.tape.eval(&mut self.registers, &inputs, &mut out);
         srgb_of(&out)

@@ -104,10 +104,7 @@ fn by_jets(
         let uniforms: Vec<f64> = tape
             .uniforms()
             .iter()
-            .map(|input| match *input {
-                Input::Uniform(k) => values[k as usize],
-                Input::Variable(_) => f64::NAN,
-            })
+            .map(|input| input.value(&[], values))
             .collect();
         instances.push(tape.fix(&uniforms));
     });

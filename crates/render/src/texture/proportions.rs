@@ -3,7 +3,6 @@
 //! They decide the number of cells of the image that shows orientation. The params have their initial values, so that the
 //! cells stay while a slider moves.
 
-use expr::Input;
 use expr::tape::{Registers, Tape};
 use scene::{Object, ParamValues, Sampling, Scene};
 
@@ -66,11 +65,8 @@ fn ratios(scene: &Scene, object: &Object) -> Vec<f64> {
     let uniforms = ParamValues::initial(scene).first_instance(scene, object);
     let mut registers = Registers::default();
     let mut values = |at: [f64; 2]| {
-        let input = |input: &Input| match *input {
-            Input::Variable(k) => at[k as usize],
-            Input::Uniform(k) => uniforms[k as usize],
-        };
-        let inputs: Vec<f64> = tape.inputs().iter().map(input).collect();
+        let inputs = tape.inputs().iter();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&at, &uniforms)).collect();
         let mut out = [0.0; 3];
         tape.eval(&mut registers, &inputs, &mut out);
         out

@@ -175,9 +175,8 @@ fn manifold(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<(ObjectId, Manifold), Failure> {
-    let (id, object) = program.surface(Some(name))?;
-    let uniforms = params.first_instance(program.scene(), object);
-    let manifold = Manifold::new(program.scene(), id, &uniforms);
+    let (id, _) = program.surface(Some(name))?;
+    let manifold = Manifold::first(program.scene(), params, id);
     let manifold = manifold.map_err(|error| super::failure(RenderError::Manifold(error)))?;
     Ok((id, manifold))
 }
