@@ -43,7 +43,7 @@ pub const TOLERANCE: f64 = 0.1;
 /// The maximum error at a pixel, in pixels, of a view that moves.
 pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The fraction of the tolerance that polynomials between the rays may add.
-const PIECEWISE_SHARE: f64 = 0.25;
+pub(super) const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on its surface or metric, with the size of its picture.
 #[derive(Clone, Debug)]
@@ -211,15 +211,14 @@ impl PlacedCamera {
     /// Computes the ends of all pixels' geodesics one by one, in f64 on all cores. `progress` receives the completed
     /// fraction.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
-        let (method, tolerance) = match self.method {
-            PictureMethod::Fan => (MapMethod::Fan, self.tolerance),
-            PictureMethod::FanLinear => (MapMethod::FanLinear, self.tolerance),
-            PictureMethod::Adaptive => (MapMethod::Adaptive, self.tolerance),
-            PictureMethod::Rk4Pixel => (MapMethod::Rk4 { steps: RK4_STEPS }, self.tolerance),
-        };
         let options = MapOptions {
-            method,
-            tolerance,
+            method: match self.method {
+                PictureMethod::Fan => MapMethod::Fan,
+                PictureMethod::FanLinear => MapMethod::FanLinear,
+                PictureMethod::Adaptive => MapMethod::Adaptive,
+                PictureMethod::Rk4Pixel => MapMethod::Rk4 { steps: RK4_STEPS },
+            },
+            tolerance: self.tolerance,
             max_evaluations: most_evaluations(self.size),
             ..MapOptions::default()
         };

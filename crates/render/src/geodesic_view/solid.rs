@@ -12,7 +12,9 @@ use geometry::SolidSurface;
 use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
-use super::camera::{MOVING_TOLERANCE, TOLERANCE, errors, fan_options, picture_place};
+use super::camera::{
+    MOVING_TOLERANCE, PIECEWISE_SHARE, TOLERANCE, errors, fan_options, picture_place,
+};
 use super::{PictureMethod, as_written};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
@@ -20,8 +22,6 @@ use crate::viewpoint::{GeodesicCamera, Pose};
 
 /// The initial zoom as a fraction of the longest side of the solid's box: a ball shows as much as a sphere with parameters.
 const FIRST_ZOOM: f64 = 0.55 * std::f64::consts::FRAC_PI_2;
-/// The fraction of the tolerance that polynomials between the rays may add.
-const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on a solid, with the size of its picture.
 #[derive(Clone, Debug)]
