@@ -202,8 +202,8 @@ fn model_of(unbaked: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
         ..Model::default()
     };
     let wanted = |id| objects.map_or(is_shown(id), |objects| objects.contains(&id));
-    let all = (0..).map(ObjectId::new).zip(&scene.objects);
-    let all: Vec<(ObjectId, &Object)> = all.filter(|(id, _)| wanted(*id)).collect();
+    let all = scene.numbered().filter(|(id, _)| wanted(*id));
+    let all: Vec<(ObjectId, &Object)> = all.collect();
     let solids = all
         .iter()
         .filter(|(_, object)| object.shape.solid().is_some());

@@ -96,11 +96,7 @@ impl Bounds {
         params: &ParamValues,
         counts: impl Fn(ObjectId) -> bool,
     ) -> Self {
-        let wanted: Vec<bool> = (0..)
-            .map(ObjectId::new)
-            .zip(&scene.objects)
-            .map(|(id, _)| counts(id))
-            .collect();
+        let wanted: Vec<bool> = scene.numbered().map(|(id, _)| counts(id)).collect();
         let clouds = ObjectCloud::all(scene, params, &wanted);
         let radii = stated_radii(scene, params);
         let clouds = clouds.iter().zip(radii);

@@ -66,11 +66,7 @@ impl KeptBounds {
             .zip(structures)
             .map(|(object, structure)| structure.instances(scene, params, object))
             .collect();
-        let counts: Arc<[bool]> = (0..)
-            .map(ObjectId::new)
-            .zip(&scene.objects)
-            .map(|(id, _)| leaves_room(id))
-            .collect();
+        let counts: Arc<[bool]> = scene.numbered().map(|(id, _)| leaves_room(id)).collect();
         let radii: Arc<[f64]> = stated_radii(scene, params).into();
         if let (Some(last), true) = (&self.last, self.kept.is_some())
             && last.contents == contents
@@ -158,10 +154,8 @@ impl Framed {
         request: &PictureRequest,
         shows: impl Fn(ObjectId) -> bool,
     ) -> Vec<String> {
-        let objects = (0..).map(ObjectId::new).zip(&request.scene.objects);
-        let missed = objects
-            .zip(self.clouds.iter())
-            .filter(|((id, _), cloud)| cloud.is_missed && shows(*id));
+        let objects = request.scene.numbered().zip(self.clouds.iter());
+        let missed = objects.filter(|((id, _), cloud)| cloud.is_missed && shows(*id));
         let note = |name: &str| {
             format!("`{name}` may contain no point: no ray that looks for it meets it")
         };

@@ -206,7 +206,7 @@ fn space_key(
 /// Returns the names of the surfaces that are drawn in colours of curvature, with their scales.
 fn keyed_surfaces(request: &PictureRequest) -> impl Iterator<Item = (&str, CurvatureScale)> {
     let options = request.view.space();
-    let objects = (0..).map(ObjectId::new).zip(&request.scene.objects);
+    let objects = request.scene.numbered();
     let drawn = objects.filter(move |(id, object)| {
         object.shape.is_surface() && options.is_none_or(|options| options.shows(*id))
     });

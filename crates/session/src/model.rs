@@ -334,8 +334,7 @@ impl Model {
 
     /// Returns the objects of the scene that are hidden in space.
     pub fn hidden(&self) -> Vec<ObjectId> {
-        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-        let numbered = (0..).map(ObjectId::new).zip(objects);
+        let numbered = self.scene.iter().flat_map(|scene| scene.numbered());
         let hidden = numbered.filter(|(_, object)| self.choices.look(&object.name).hidden);
         hidden.map(|(id, _)| id).collect()
     }

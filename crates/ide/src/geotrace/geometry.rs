@@ -4,7 +4,6 @@ use geodesic::measure::{self, PlaceMeasures};
 use geodesic::metric::Metric;
 use geodesic::surface::{Side, Surface};
 use geometry::Manifold;
-use scene::ObjectId;
 use scene::ParamValues;
 
 use super::analysis::GeotraceAnalysis;
@@ -22,8 +21,7 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
         let excerpt = analysis.excerpt([item.index]);
         let scene = excerpt.scene();
-        let mut objects = (0..).map(ObjectId::new).zip(&scene.objects);
-        let (id, object) = objects.find(|(_, object)| object.name == item.name)?;
+        let (id, object) = scene.object(item.name)?;
         // At the params' start and for the first instance.
         let uniforms = ParamValues::initial(scene).first_instance(scene, object);
         let manifold = Manifold::new(scene, id, &uniforms).ok()?;

@@ -227,7 +227,7 @@ impl GpuRenderer {
         let mut notes = Vec::new();
         let mut draws: Vec<Draw> = Vec::new();
         let steps = request.scene.objects.len() as f32;
-        for (id, object) in (0..).map(ObjectId::new).zip(&request.scene.objects) {
+        for (id, object) in request.scene.numbered() {
             let Some(look) = (scene.shown)(id) else {
                 continue;
             };

@@ -116,7 +116,7 @@ impl View for SpaceView {
         };
         plan.overlays = overlay::painters(request, options.show_camera.as_ref());
         let mut images = Vec::new();
-        for (id, object) in (0..).map(ObjectId::new).zip(&request.scene.objects) {
+        for (id, object) in request.scene.numbered() {
             if !options.shows(id) {
                 continue;
             }
@@ -533,8 +533,7 @@ fn drawables(
     let placement = framed.bounds.placement;
     let scene = &request.scene;
     let looks = looks(request, options);
-    let objects = (0..).map(ObjectId::new).zip(&scene.objects);
-    for ((id, object), content) in objects.zip(framed.contents()) {
+    for ((id, object), content) in scene.numbered().zip(framed.contents()) {
         if !options.shows(id) {
             // The object keeps its number.
             drawables.push(Drawable::nothing());
@@ -593,15 +592,13 @@ pub(super) fn labels(
     extras: &[OverlayObject],
 ) -> Vec<TextLabel> {
     let scene = &request.scene;
-    let numbered = (0..).map(ObjectId::new).zip(&scene.objects);
-    let shown = numbered.filter(|(id, _)| options.shows(*id));
+    let shown = scene.numbered().filter(|(id, _)| options.shows(*id));
     let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
     let solids = shared
         .solids
         .get(request, &options.hidden, framed.contents());
     let occlusion = Occlusion::new(camera, clouds).with_solids(solids);
-    let objects = (0..).map(ObjectId::new).zip(&scene.objects);
-    let objects = objects.zip(framed.contents());
+    let objects = scene.numbered().zip(framed.contents());
     let drawn = objects.filter(|((id, object), _)| options.shows(*id) && scene.is_in_space(object));
     let label = |((id, object), content): ((ObjectId, &Object), &Content)| {
         let samples = object.shape.is_geodesic().then(|| {
