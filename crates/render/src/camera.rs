@@ -49,6 +49,23 @@ const STEPS_BACK: usize = 4;
 /// The depth range of an orthographic camera, as a multiple of that of the scene's points: samples may be beyond them.
 const REACH: f64 = 8.0;
 
+/// Returns true if this unit vector points straight up or down.
+pub fn is_vertical(direction: DVec3) -> bool {
+    direction.x.hypot(direction.y) < 1e-6
+}
+
+/// Returns the unit vectors to the right, up, and towards the eye, `back`, of a picture without a roll: z points up; straight
+/// from above or below, y points up.
+pub fn upright(back: DVec3) -> [DVec3; 3] {
+    let up = if is_vertical(back) {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    let right = up.cross(back).normalize();
+    [right, back.cross(right), back]
+}
+
 impl Camera {
     /// Creates a camera that shows the whole scene, or one with the eye and target of a viewpoint.
     ///
@@ -233,15 +250,9 @@ impl Camera {
         rows.transpose() * DMat4::from_translation(-self.eye)
     }
 
-    /// Turns the camera so that `back` points towards the eye and z points up; straight from above or below, y points up.
+    /// Turns the camera so that `back` points towards the eye, without a roll.
     fn look(&mut self, back: DVec3) {
-        let up = if back.x.hypot(back.y) < 1e-6 {
-            DVec3::Y
-        } else {
-            DVec3::Z
-        };
-        let right = up.cross(back).normalize();
-        self.axes = [right, back.cross(right), back];
+        self.axes = upright(back);
     }
 
     /// Turns about its view direction, so that up is where it is for a lens that looks in the same direction.

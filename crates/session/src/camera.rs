@@ -1,6 +1,7 @@
 //! The camera of the views in space: its position, and its motions.
 
 use glam::{DVec2, DVec3};
+use render::camera::{is_vertical, upright};
 use serde::{Deserialize, Serialize};
 
 /// The camera of the 3D view, in the scene's units; up is z.
@@ -29,9 +30,6 @@ fn usual_tangent() -> f64 {
     (0.5 * render::style::FIELD_OF_VIEW).tan()
 }
 
-/// The length of the horizontal part of a unit vector up to which it points straight up or down, as in
-/// `render::camera`.
-const LEVEL: f64 = 1e-6;
 /// The minimum angle between the camera's direction and straight up or down, in radians.
 const POLE: f64 = 0.01;
 
@@ -62,15 +60,9 @@ impl SpaceCamera {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
     }
 
-    /// Returns the horizontal unit vector to the right, without the roll. Straight down it is x, and straight up −x: y is
-    /// up in the picture.
+    /// Returns the horizontal unit vector to the right, without the roll.
     fn right(&self) -> DVec3 {
-        let forward = self.forward();
-        let upright = DVec3::X * -forward.z.signum();
-        if forward.x.hypot(forward.y) < LEVEL {
-            return upright;
-        }
-        forward.cross(DVec3::Z).normalize_or(upright)
+        upright(-self.forward())[0]
     }
 
     /// Returns the unit vectors to the right and up in the picture, and from the target to the eye.
@@ -100,7 +92,7 @@ impl SpaceCamera {
     /// Returns the azimuth and elevation of its direction, in radians.
     fn angles(&self) -> [f64; 2] {
         let forward = self.forward();
-        if forward.x.hypot(forward.y) < LEVEL {
+        if is_vertical(forward) {
             // Seen from straight above, y is up in the picture: it is ahead. Seen from below, it is behind.
             return [
                 -forward.z.signum() * std::f64::consts::FRAC_PI_2,
