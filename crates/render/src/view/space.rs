@@ -14,6 +14,7 @@ use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::content::{self, Content, Structure};
+use crate::counters::PixelCounters;
 use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
@@ -208,83 +209,58 @@ impl ViewRenderer for SpaceRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let request = &*shared.stated_colours.textured(request);
-        let colour_notes = stated_colours::notes(request);
         let options: &SpaceOptions = request.options()?;
+        let prepared = self.prepare(shared, request, options)?;
         let PreparedPicture {
             structures,
             framed,
             camera,
-            axes,
             overlay,
-        } = self.prepare(shared, request, options)?;
+            ..
+        } = &prepared;
         let background = options.background_light();
-        let solids = shared
-            .solids
-            .get(request, &options.hidden, framed.contents());
-        let tints = solids
-            .as_ref()
-            .map(|solids| tints(request, options, solids));
         let counters = shared.pixels.clone();
-        let solids = solids.as_deref().zip(tints.as_deref());
-        let painter = solids.map(|(solids, tints)| {
-            SolidPainter::new(&camera, solids, tints, !request.moving, &counters)
-        });
+        let painter = prepared.painter(!request.moving, &counters);
         let (mut pixels, mut notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
             let shown = |id: ObjectId| options.shows(id).then(|| &looks[id.index()]);
-            let image = |id| image(request, &framed, id);
+            let image = |id| image(request, framed, id);
             let scene = SpaceScene {
                 request,
-                structures: &structures,
+                structures,
                 contents: framed.contents(),
-                camera: &camera,
+                camera,
                 shown: &shown,
                 image: &image,
-                overlay: &overlay,
+                overlay,
                 solids: painter.as_ref(),
                 background,
             };
             gpu.draw_space(&mut shared.samples, &scene, shared.is_single, progress)?
         } else {
             let sampled = |share: f32| progress(SAMPLING_SHARE * share);
-            let moving = request.moving.then_some(&camera);
+            let moving = request.moving.then_some(camera);
             let (mut drawables, notes) =
-                drawables(shared, request, options, &framed, moving, &sampled);
-            drawables.extend(overlay.iter().map(|object| {
-                let look = object.look(request.scale);
-                Drawable::new(object.samples.clone(), &look, None)
-            }));
+                drawables(shared, request, options, framed, moving, &sampled);
+            drawables.extend(prepared.extras(request));
             let drawn = |share| progress(SAMPLING_SHARE + (1.0 - SAMPLING_SHARE) * share);
             let solids = painter.as_ref();
-            let image = software::draw_beside(&camera, &drawables, solids, background, &drawn);
+            let image = software::draw_beside(camera, &drawables, solids, background, &drawn);
             (Pixels::Image(image), notes)
         };
-        notes.extend(colour_notes);
-        notes.extend(framed.notes(request, |id| options.shows(id)));
-        if let Some(painter) = &painter {
-            notes.extend(painter.notes(request)?);
-        }
-        let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera, request.scale));
-        if is_labelled(request, &overlay) {
-            labels.extend(self::labels(
-                shared, request, options, &framed, &camera, &overlay,
-            ));
-        }
+        notes.extend(prepared.notes(request, options, painter.as_ref())?);
+        let words = prepared.words(shared, request, options);
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
         let mut legend = None;
         let shown = options.show_camera.as_ref();
         if overlay::any_space(request, shown) {
-            let keyed = shown.map(|shown| KeyedCamera {
-                camera: shown,
-                view: &camera,
-                objects: &overlay,
-            });
+            let keyed = prepared.keyed_camera(options);
             let shown = keyed.as_ref();
             // Words are written over pictures in memory.
             let mut image = shared.read(pixels)?;
-            legend = overlay::space_key_place(request, shown, &image, &labels)?;
-            let names = overlay::over_space(&mut image, request, shown, &labels, legend)?;
+            legend = overlay::space_key_place(request, shown, &image, &words)?;
+            let names = overlay::over_space(&mut image, request, shown, &words, legend)?;
             overlays.extend(names);
             pixels = Pixels::Image(image);
         }
@@ -358,6 +334,70 @@ struct PreparedPicture {
     axes: Option<AxesBox>,
     /// The objects that are drawn in addition to those of the scene.
     overlay: Arc<[OverlayObject]>,
+    /// The solids, with the tint of each.
+    solids: Option<(Arc<SolidScene>, Vec<Tint>)>,
+}
+
+impl PreparedPicture {
+    /// Returns the painter of the solids; `None` if there are none.
+    fn painter<'a>(
+        &'a self,
+        is_fine: bool,
+        counters: &'a PixelCounters,
+    ) -> Option<SolidPainter<'a>> {
+        let (solids, tints) = self.solids.as_ref()?;
+        let camera = &self.camera;
+        Some(SolidPainter::new(camera, solids, tints, is_fine, counters))
+    }
+
+    /// Returns the objects that are drawn in addition to those of the scene.
+    fn extras(&self, request: &PictureRequest) -> impl Iterator<Item = Drawable> {
+        self.overlay.iter().map(|object| {
+            let look = object.look(request.scale);
+            Drawable::new(object.samples.clone(), &look, None)
+        })
+    }
+
+    /// Returns the displayed geodesic camera, for the key.
+    fn keyed_camera<'a>(&'a self, options: &'a SpaceOptions) -> Option<KeyedCamera<'a>> {
+        let camera = options.show_camera.as_ref()?;
+        Some(KeyedCamera {
+            camera,
+            view: &self.camera,
+            objects: &self.overlay,
+        })
+    }
+
+    /// Returns the words at axes, figures and objects.
+    fn words(
+        &self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &SpaceOptions,
+    ) -> Vec<TextLabel> {
+        let axes = self.axes.as_ref();
+        let mut words = axes.map_or_else(Vec::new, |axes| axes.labels(&self.camera, request.scale));
+        if is_labelled(request, &self.overlay) {
+            let (framed, camera, extras) = (&self.framed, &self.camera, &self.overlay);
+            words.extend(labels(shared, request, options, framed, camera, extras));
+        }
+        words
+    }
+
+    /// Returns the notes for the reader of the picture, other than those about samples. The picture has been drawn.
+    fn notes(
+        &self,
+        request: &PictureRequest,
+        options: &SpaceOptions,
+        painter: Option<&SolidPainter<'_>>,
+    ) -> Result<Vec<String>, RenderError> {
+        let mut notes: Vec<String> = stated_colours::notes(request);
+        notes.extend(self.framed.notes(request, |id| options.shows(id)));
+        if let Some(painter) = painter {
+            notes.extend(painter.notes(request)?);
+        }
+        Ok(notes)
+    }
 }
 
 impl SpaceRenderer {
@@ -386,12 +426,20 @@ impl SpaceRenderer {
             }
             None => overlay,
         };
+        let solids = shared
+            .solids
+            .get(request, &options.hidden, framed.contents());
+        let solids = solids.map(|solids| {
+            let tints = tints(request, options, &solids);
+            (solids, tints)
+        });
         Ok(PreparedPicture {
             structures,
             framed,
             camera,
             axes,
             overlay,
+            solids,
         })
     }
 

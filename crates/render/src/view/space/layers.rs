@@ -1,18 +1,16 @@
 //! The 3D view in layers: its curves, geodesics and axes as vectors, and its names.
 
-use super::{SpaceRenderer, drawables, is_labelled, labels, tints};
+use super::{SpaceRenderer, drawables};
 use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
 use crate::note::Note;
-use crate::overlay::{self, KeyedCamera};
+use crate::overlay;
 use crate::rendered::RenderedImage;
 use crate::request::PictureRequest;
 use crate::request::part::SpaceOptions;
 use crate::sample::Samples;
 use crate::software::{self, Drawable, LineCover};
-use crate::solids::SolidPainter;
-use crate::stated_colours;
 use crate::view::SharedState;
 
 impl SpaceRenderer {
@@ -24,15 +22,11 @@ impl SpaceRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
         let request = &*shared.stated_colours.textured(request);
-        let colour_notes = stated_colours::notes(request);
         let options: &SpaceOptions = request.options()?;
         let prepared = self.prepare(shared, request, options)?;
         let (drawables, mut notes) =
             drawables(shared, request, options, &prepared.framed, None, &|_| {});
-        let extras = prepared.overlay.iter().map(|object| {
-            let look = object.look(request.scale);
-            Drawable::new(object.samples.clone(), &look, None)
-        });
+        let extras = prepared.extras(request);
         let is_line = |object: &Drawable| matches!(&*object.samples, Samples::Curves { .. });
         let (lines, others): (Vec<Drawable>, Vec<Drawable>) =
             drawables.into_iter().partition(is_line);
@@ -40,44 +34,14 @@ impl SpaceRenderer {
             others.into_iter().chain(extras).partition(is_line);
         let background = options.background_light();
         let camera = &prepared.camera;
-        let solids = shared
-            .solids
-            .get(request, &options.hidden, prepared.framed.contents());
-        let tints = solids
-            .as_ref()
-            .map(|solids| tints(request, options, solids));
         let counters = shared.pixels.clone();
-        let solids = solids.as_deref().zip(tints.as_deref());
-        let painter =
-            solids.map(|(solids, tints)| SolidPainter::new(camera, solids, tints, true, &counters));
+        let painter = prepared.painter(true, &counters);
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
-        notes.extend(colour_notes);
-        notes.extend(prepared.framed.notes(request, |id| options.shows(id)));
-        if let Some(painter) = &painter {
-            notes.extend(painter.notes(request)?);
-        }
-        let keyed = options.show_camera.as_ref().map(|shown| KeyedCamera {
-            camera: shown,
-            view: camera,
-            objects: &prepared.overlay,
-        });
+        notes.extend(prepared.notes(request, options, painter.as_ref())?);
+        let keyed = prepared.keyed_camera(options);
         let shown = keyed.as_ref();
-        let mut words = prepared
-            .axes
-            .as_ref()
-            .map_or_else(Vec::new, |axes| axes.labels(camera, request.scale));
-        if is_labelled(request, &prepared.overlay) {
-            let extras = &prepared.overlay;
-            words.extend(labels(
-                shared,
-                request,
-                options,
-                &prepared.framed,
-                camera,
-                extras,
-            ));
-        }
+        let words = prepared.words(shared, request, options);
         let key = if overlay::has_space_key(request, shown)? {
             let all = others.iter().chain(&lines).chain(&extras);
             let all: Vec<Drawable> = all.cloned().collect();
