@@ -144,7 +144,11 @@ impl Ray<'_, '_> {
             let local = self.atlas.local(&self.chart, *state)?;
             Some(length(local.tangents, state.velocity) / speed - 1.0)
         };
-        let found = self.crossing(FARTHEST * step.length, &change);
+        let found = match self.crossing(FARTHEST * step.length, &change) {
+            // The speed at the step's end says that it does not return.
+            Found::Grazed => Found::Steep,
+            found => found,
+        };
         self.approach(&found, [step.length, h], h)
     }
 
