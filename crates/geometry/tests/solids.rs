@@ -1057,6 +1057,7 @@ fn to_state_the_default_of_an_attribute_changes_nothing() {
         ))
     };
     let mut compared = Vec::new();
+    // Those of glass have another colour unless they state one.
     for (keyword, declaration) in [
         (DeclarationKeyword::Camera, "camera c = (1,0,0) @ (-3,0,0)"),
         (DeclarationKeyword::Light, "light l = (0,0,-1) @ (0,0,4)"),
@@ -1074,7 +1075,7 @@ fn to_state_the_default_of_an_attribute_changes_nothing() {
         ),
         (
             DeclarationKeyword::Surface,
-            "surface s(u,v) = (u, v, 0), u : [-1, 1], v : [-1, 1]",
+            "surface s(u,v) = (u, v, 0), u : [-1, 1], v : [-1, 1], color : 0.5",
         ),
     ] {
         let eye = match keyword {
