@@ -48,7 +48,7 @@ impl<const D: usize> PathPart<D> {
     }
 }
 
-/// What is known of the borders of regions along a part of a path.
+/// The knowledge of the borders of regions along a part of a path.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Borders {
     /// The part meets none.
