@@ -198,6 +198,102 @@ fn each_value_of_t_runs_the_script_anew() {
 }
 
 #[test]
+fn the_errors_of_a_run_at_another_t_are_those_of_every_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = written(
+        folder.path(),
+        "a = [1, 2, 3]\nx = a[floor(t)]\nScene { Sphere { center -> vec3(0, 0, 3) radius -> x } }",
+    );
+    let name = script.display().to_string();
+    let out = |name: &str| folder.path().join(name).display().to_string();
+    let [picture, film, program, mesh] = ["a.png", "a.gif", "a.gtr", "a.obj"].map(out);
+    let commands: [&[&str]; 6] = [
+        &["render", &name, "-o", &picture, "--set", "t=3"],
+        &[
+            "render",
+            &name,
+            "-o",
+            &film,
+            "--animate",
+            "t=0:3",
+            "--frames",
+            "4",
+            "--size",
+            "40x30",
+        ],
+        &["convert", &name, "-o", &program, "--set", "t=3"],
+        &[
+            "cast",
+            &name,
+            "--from",
+            "0,0,-5",
+            "--direction",
+            "0,0,1",
+            "--set",
+            "t=3",
+        ],
+        &["eval", &name, "x", "--set", "t=3"],
+        &["export", &name, "-o", &mesh, "--set", "t=3"],
+    ];
+    for command in commands {
+        let run = geotrace(command).run();
+        run.expect_status(1);
+        run.expect_text("2:5: error[index-out-of-range]");
+        run.expect_text("there is no element 3: the last one is 2 (at t = 3)");
+    }
+    for file in [picture, film, program, mesh] {
+        assert!(!Path::new(&file).exists(), "{file}");
+    }
+    geotrace(["eval", &name, "x", "--set", "t=2"])
+        .run()
+        .expect_text("3");
+    // A loop that ends at t = 0 only.
+    let script = written(folder.path(), "Scene { i = 0 while (i < t) { } }");
+    let name = script.display().to_string();
+    let run = geotrace(["eval", &name, "i", "--set", "t=1"]).run();
+    run.expect_status(1).expect_text("error[work-limit]");
+}
+
+#[test]
+fn an_error_at_t_0_refuses_no_other_t() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = written(
+        folder.path(),
+        "Scene { Sphere { center -> vec3(1, 0, 3) radius -> t / 10 } }",
+    );
+    let name = script.display().to_string();
+    let sentence = "`radius` must be > 0, but this is 0 (at t = 0)";
+    for command in [
+        &["check", &name][..],
+        &["explain", &name],
+        &["eval", &name, "t"],
+    ] {
+        geotrace(command)
+            .run()
+            .expect_status(1)
+            .expect_text(sentence);
+    }
+    draw(&script, &["--set", "t=5", "--size", "40x30"]);
+    let out = folder.path().join("a.gtr").display().to_string();
+    let convert = ["convert", &name, "-o", &out, "--set", "t=5"];
+    geotrace(convert).run().expect_status(0);
+    let out = folder.path().join("a.gif").display().to_string();
+    let animated = [
+        "render", &name, "-o", &out, "--size", "40x30", "--frames", "3",
+    ];
+    let animated = |range| geotrace(animated.into_iter().chain(["--animate", range])).run();
+    animated("t=1:3").expect_status(0);
+    animated("t=3:0").expect_status(1).expect_text(sentence);
+    let run = geotrace(["eval", &name, "t / 10", "--set", "t=5"]).run();
+    run.expect_status(0).expect_text("0.5");
+    // An error of the text remains one.
+    let script = written(folder.path(), "Scene { } x = 1");
+    let name = script.display().to_string();
+    let run = geotrace(["eval", &name, "t", "--set", "t=5"]).run();
+    run.expect_status(1).expect_text("error[after-scene]");
+}
+
+#[test]
 fn a_colour_may_be_brighter_than_white() {
     let folder = tempfile::tempdir().expect("a folder");
     let script = written(

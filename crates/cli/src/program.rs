@@ -22,6 +22,7 @@ use crate::style::TextColours;
 pub(crate) struct LoadedProgram {
     /// The text.
     pub(crate) source: SourceText,
+    format: Format,
     scene: Arc<Scene>,
     scope: Box<dyn Scope>,
 }
@@ -52,14 +53,17 @@ pub(crate) fn compile(context: &Context, path: &Path) -> Result<(SourceText, Com
 
 impl LoadedProgram {
     /// Reads and compiles a program. Its warnings are printed on standard error; so are its errors, and in JSON also on
-    /// standard output.
+    /// standard output. If they depend on the params, [`Self::params`] or [`Self::run_for`] prints them.
     ///
     /// # Errors
     /// Those of [`compile`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language produces no scene
     /// from the text.
     pub(crate) fn load(context: &Context, path: &Path, format: Format) -> Result<Self, Failure> {
         let (source, compiled) = compile(context, path)?;
-        report_diagnostics(&source, &compiled.diagnostics, format)?;
+        let scene = compiled.scene.as_ref();
+        if scene.is_none_or(|scene| scene.diagnostics.is_none()) {
+            report_diagnostics(&source, &compiled.diagnostics, format)?;
+        }
         let scene = compiled.scene.ok_or_else(|| Failure::Input {
             message: format!("`{}` has no scene", source.name),
             hint: None,
@@ -85,6 +89,7 @@ impl LoadedProgram {
         expression: &str,
         params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
+            format,
         self.scope.evaluate(expression, params)
     }
 
@@ -116,7 +121,7 @@ impl LoadedProgram {
     /// these params.
     ///
     /// # Errors
-    /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
+    /// Those of [`Self::values`] and [`Self::run_for`].
     pub(crate) fn params(&mut self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
         let scene = self.scene();
         let mut params = ParamValues::initial(scene);
@@ -131,12 +136,21 @@ impl LoadedProgram {
                 .set(scene, &assignment.name, &values?)
                 .map_err(|error| refused(scene, &error))?;
         }
-        self.scene = scene.at(&params);
         Ok(params)
     }
 
     /// Evaluates the number given to an option. An expression may use all names of the program.
     ///
+        let params = self.values(assignments)?;
+        self.run_for(&params)?;
+        Ok(params)
+    }
+
+    /// Returns the params at their initial values, changed by the `--set` arguments.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
+    pub(crate) fn values(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
     /// # Errors
     /// [`Failure::Usage`] if the expression has an error or is not a number.
     pub(crate) fn number(
@@ -154,6 +168,24 @@ impl LoadedProgram {
             hint,
         };
         match self.evaluate(text, params) {
+    /// Gives the program the scene of these params. If the program is run for that, the diagnostics of the run are reported.
+    ///
+    /// # Errors
+    /// [`Failure::ProgramHasErrors`] if the run has errors.
+    pub(crate) fn run_for(&mut self, params: &ParamValues) -> Result<(), Failure> {
+        self.scene = self.scene.at(params);
+        let diagnostics = self.scene.diagnostics.as_deref().unwrap_or_default();
+        report_diagnostics(&self.source, diagnostics, self.format)
+    }
+
+    /// Reports the diagnostics of a run that has errors.
+    pub(crate) fn failed_run(&self, diagnostics: &[Diagnostic]) -> Failure {
+        match report_diagnostics(&self.source, diagnostics, self.format) {
+            Err(failure) => failure,
+            Ok(()) => Failure::ProgramHasErrors,
+        }
+    }
+
             Ok(evaluation) => match evaluation.outcome {
                 Outcome::Single(Value::Number(Some(value))) => Ok(value),
                 Outcome::Single(Value::Number(None)) => {

@@ -62,7 +62,6 @@ struct CrtProgram {
 #[derive(Debug)]
 struct CrtRun {
     scene: Arc<Scene>,
-    diagnostics: Vec<Diagnostic>,
     assignments: Vec<Assignment>,
 }
 
@@ -76,8 +75,6 @@ struct CrtAnalysis {
     given_up: AtomicBool,
     /// The run; `None` if parts of the script cannot be read, so that it is not run, and if the run was cancelled.
     run: OnceLock<Option<CrtRun>>,
-    /// The diagnostics of reading and running.
-    diagnostics: OnceLock<Arc<[Diagnostic]>>,
     names: OnceLock<ScriptNames>,
 }
 
@@ -177,7 +174,6 @@ impl CrtProgram {
                 reading_diagnostics: self.document.all_diagnostics().into(),
                 given_up: AtomicBool::new(false),
                 run: OnceLock::new(),
-                diagnostics: OnceLock::new(),
                 names: OnceLock::new(),
             })
         })
@@ -208,10 +204,10 @@ impl CrtAnalysis {
                 return None;
             }
             let (script, text) = (self.script(), whole(&self.snapshot));
-            let run = scene::crt::run_unless(&script, &text, &self.given_up)?;
+            let reading = &self.reading_diagnostics;
+            let run = scene::crt::run_unless(&script, &text, reading, &self.given_up)?;
             Some(CrtRun {
                 scene: Arc::new(run.scene),
-                diagnostics: run.diagnostics,
                 assignments: run.assignments,
             })
         });
@@ -270,16 +266,8 @@ impl Analysis for CrtAnalysis {
     }
 
     fn diagnostics(&self) -> Arc<[Diagnostic]> {
-        let diagnostics = || {
-            let Some(run) = self.run() else {
-                return Arc::clone(&self.reading_diagnostics);
-            };
-            let mut all = self.reading_diagnostics.to_vec();
-            all.extend(run.diagnostics.iter().cloned());
-            Diagnostic::sort(&mut all);
-            all.into()
-        };
-        self.diagnostics.get_or_init(diagnostics).clone()
+        let of_run = self.run().and_then(|run| run.scene.diagnostics.as_ref());
+        Arc::clone(of_run.unwrap_or(&self.reading_diagnostics))
     }
 
     fn awaits_run(&self) -> bool {

@@ -74,14 +74,17 @@ pub trait Language: Debug + Send + Sync {
     /// Those of [`Language::open`].
     fn compile(&self, text: &str) -> Result<Compiled, EditError> {
         let program = self.open(text)?;
-        let diagnostics = program.diagnostics().to_vec();
+        // Errors of a run may be absent for other values of the params.
+        let of_text = program.diagnostics_of_reading();
+        let diagnostics = program.diagnostics();
+        let of_text = of_text.unwrap_or_else(|| diagnostics.clone());
         let is_error = |found: &Diagnostic| found.severity == Severity::Error;
-        let scene = match diagnostics.iter().any(is_error) {
+        let scene = match of_text.iter().any(is_error) {
             true => None,
             false => program.scene().scene,
         };
         Ok(Compiled {
-            diagnostics,
+            diagnostics: diagnostics.to_vec(),
             scene,
             scope: Box::new(ProgramScope(program)),
         })
@@ -115,7 +118,7 @@ pub trait Language: Debug + Send + Sync {
 pub struct Compiled {
     /// All errors, warnings and hints, sorted by position.
     pub diagnostics: Vec<Diagnostic>,
-    /// The scene; `None` if one of the diagnostics is an error.
+    /// The scene; `None` if the text has errors. [`Scene::diagnostics`] has those of a run.
     pub scene: Option<Arc<Scene>>,
     /// The scope at the end of the program.
     pub scope: Box<dyn Scope>,

@@ -494,3 +494,15 @@ fn the_layout_keeps_line_ends_and_lines_that_are_warned_about() {
     );
     assert_eq!(read(&laid_out).format(None), []);
 }
+
+#[test]
+fn a_script_is_converted_if_it_has_no_error_at_that_t() {
+    let text = "Scene { Sphere { center -> vec3(0, 0, 3) radius -> 2 - t } }";
+    let analysis = read(text);
+    assert!(analysis.convert(&[1.0], "a.gtr").is_ok());
+    assert!(analysis.convert(&[2.0], "a.gtr").is_err());
+    let text = "Scene { Sphere { center -> vec3(0, 0, 3) radius -> t } }";
+    let analysis = read(text);
+    assert!(analysis.convert(&[0.0], "a.gtr").is_err());
+    assert!(analysis.convert(&[1.0], "a.gtr").is_ok());
+}

@@ -62,7 +62,7 @@ const STACK: usize = 64 << 20;
 pub struct ScriptRun {
     /// The scene.
     pub scene: Scene,
-    /// All errors, warnings and hints, sorted by position.
+    /// The errors, warnings and hints of the run, sorted by position.
     pub diagnostics: Vec<Diagnostic>,
     /// The assignments of names, including parameters, that the run has reached, in the order of the text.
     pub assignments: Vec<Assignment>,
@@ -107,17 +107,26 @@ impl ScriptLines {
 
 /// Runs a script at t = 0. `text` is the script's text.
 pub fn run(script: &Script, text: &str) -> ScriptRun {
-    run_unless(script, text, &NEVER).unwrap_or_default()
+    run_unless(script, text, &Arc::default(), &NEVER).unwrap_or_default()
 }
 
-/// Runs a script at t = 0; `None` if `given_up` is or becomes true.
-pub fn run_unless(script: &Script, text: &str, given_up: &AtomicBool) -> Option<ScriptRun> {
+/// Runs a script at t = 0; `None` if `given_up` is or becomes true. `of_reading` are the diagnostics of reading the script,
+/// which its scenes have too.
+pub fn run_unless(
+    script: &Script,
+    text: &str,
+    of_reading: &Arc<[Diagnostic]>,
+    given_up: &AtomicBool,
+) -> Option<ScriptRun> {
     let lines = Arc::new(ScriptLines::new(text));
     let mut run = run_at(script, &lines, 0.0, given_up)?;
-    let script = script.clone();
+    run.scene.diagnostics = Some(all_diagnostics(of_reading, &run.diagnostics));
+    let (script, of_reading) = (script.clone(), Arc::clone(of_reading));
     run.scene.rerun = Some(Rerun::new(vec![0.0], move |uniforms| {
         let t = uniforms.first().copied().unwrap_or(0.0);
-        run_at(&script, &lines, t, &NEVER).unwrap_or_default().scene
+        let mut run = run_at(&script, &lines, t, &NEVER).unwrap_or_default();
+        run.scene.diagnostics = Some(all_diagnostics(&of_reading, &run.diagnostics));
+        run.scene
     }));
     Some(run)
 }
@@ -131,6 +140,13 @@ pub fn evaluate(
     text: &str,
     t: f64,
     expression: &Expression,
+/// Returns the diagnostics of reading a script and of running it, sorted by position.
+fn all_diagnostics(of_reading: &[Diagnostic], of_run: &[Diagnostic]) -> Arc<[Diagnostic]> {
+    let mut all = [of_reading, of_run].concat();
+    Diagnostic::sort(&mut all);
+    all.into()
+}
+
 ) -> Result<Evaluated, Vec<Diagnostic>> {
     let lines = ScriptLines::new(text);
     on_stack(|| {

@@ -39,7 +39,7 @@ pub use initial_conditions::{InitialConditions, InitialConditionsError};
 pub use initial_conditions_evaluator::InitialConditionsEvaluator;
 pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
-pub use rerun::Rerun;
+pub use rerun::{FailedRun, Rerun};
 pub use scene::{
     GeodesicPath, Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape,
     SpacePath,

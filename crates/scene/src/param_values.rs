@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use syntax::spelling::nearest;
 
+use crate::rerun::FailedRun;
 use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
 use crate::solid::BoundGrid;
 
@@ -118,6 +119,14 @@ impl Scene {
     pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
         self.rerun.as_ref()?.at(params.uniforms(), attach)
+    }
+
+    /// Returns an error if the run that made the scene has errors.
+    ///
+    /// # Errors
+    /// [`FailedRun`].
+    pub fn check_run(&self) -> Result<(), FailedRun> {
+        self.diagnostics.as_ref().map_or(Ok(()), FailedRun::check)
     }
 
     /// Returns the values of its params for which the scene was made, if other values may change more than numbers.

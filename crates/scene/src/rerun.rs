@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use syntax::diagnostic::{Diagnostic, Severity};
+
 /// Computes the scene for some values of its params, one number per uniform.
 type Make<S> = dyn Fn(&[f64]) -> S + Send + Sync;
 
@@ -15,6 +17,34 @@ pub struct Rerun<S> {
     maker: Arc<Maker<S>>,
     /// The values of its scene.
     values: Vec<f64>,
+}
+
+/// The diagnostics of a run with errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailedRun(pub Arc<[Diagnostic]>);
+
+impl FailedRun {
+    /// Returns an error if there is one among these diagnostics.
+    pub(crate) fn check(diagnostics: &Arc<[Diagnostic]>) -> Result<(), Self> {
+        match first_error(diagnostics) {
+            Some(_) => Err(Self(Arc::clone(diagnostics))),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for FailedRun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let first = first_error(&self.0).map(|it| it.message.as_str());
+        f.write_str(first.unwrap_or_default())
+    }
+}
+
+impl std::error::Error for FailedRun {}
+
+fn first_error(diagnostics: &[Diagnostic]) -> Option<&Diagnostic> {
+    let mut all = diagnostics.iter();
+    all.find(|it| it.severity == Severity::Error)
 }
 
 struct Maker<S> {

@@ -1,8 +1,10 @@
 //! The scene as data.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use expr::{Graph, NodeId};
+use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
 use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, MOST_NUMBERS};
@@ -41,6 +43,9 @@ pub struct Scene {
     pub picture: Option<StatedPicture>,
     /// The scene for other values of the params, if params may change more than numbers.
     pub rerun: Option<Rerun<Scene>>,
+    /// The diagnostics of the text and of the run that made the scene, sorted by position, if they may differ for other values
+    /// of the params.
+    pub diagnostics: Option<Arc<[Diagnostic]>>,
 }
 
 impl Scene {

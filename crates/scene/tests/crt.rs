@@ -261,3 +261,27 @@ lights -> [PointLight { origin -> vec3(1,2,3) color -> rgb(1,1,1) falloff -> 9 }
         [1.0, 3.0, 2.0].map(Some)
     );
 }
+
+#[test]
+fn the_errors_of_a_run_belong_to_its_scene_and_name_t() {
+    let text =
+        "a = [1, 2]\nx = a[floor(t)]\nScene { Sphere { center -> vec3(0, 0, 3) radius -> x } }";
+    let scene = Arc::new(ran(text).scene);
+    assert_eq!(scene.check_run(), Ok(()));
+    let mut params = ParamValues::initial(&scene);
+    params.set(&scene, "t", &[3.0]).expect("in range");
+    let error = scene.at(&params).check_run().expect_err("no element 3");
+    let message = "there is no element 3: the last one is 1 (at t = 3)";
+    assert_eq!((error.0.len(), error.to_string()), (1, message.to_owned()));
+    // At t = 0 an error is an error of that run only.
+    let text = "x = nothing + 1\nScene { Sphere { center -> vec3(0, 0, 3) radius -> t } }";
+    let run = ran(text);
+    let messages: Vec<&str> = run.diagnostics.iter().map(|it| &*it.message).collect();
+    assert_eq!(
+        messages,
+        [
+            "no variable `nothing` has been assigned",
+            "`radius` must be > 0, but this is 0 (at t = 0)"
+        ]
+    );
+}

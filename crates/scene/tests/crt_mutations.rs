@@ -189,7 +189,7 @@ fn scripts_that_are_changed_at_random_are_read_run_and_built() {
         let script = document.snapshot().script();
         given_up.store(false, Ordering::Relaxed);
         begun.send(()).expect("the watch");
-        let run = run_unless(&script, &text, &given_up);
+        let run = run_unless(&script, &text, &Arc::default(), &given_up);
         ended.send(()).expect("the watch");
         let Some(run) = run else {
             given_up_runs += 1;

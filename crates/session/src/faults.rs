@@ -42,6 +42,12 @@ impl ProgramFaults {
         self.latest = latest;
     }
 
+    /// Takes over the findings of the same text for other values of the params, and shows them: nobody is typing.
+    pub(crate) fn take_run(&mut self, findings: Arc<[Finding]>) {
+        self.latest.findings = findings;
+        self.show_latest();
+    }
+
     /// Shows the newest diagnosis.
     pub fn show_latest(&mut self) {
         self.shown.clone_from(&self.latest);

@@ -13,6 +13,7 @@ use ide::outline::DeclarationRange;
 use render::trail::Trail;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
+use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
@@ -22,6 +23,7 @@ use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
 use super::path::CameraPath;
 use super::program::{Compiled, ReadProgram};
+use super::reader::findings;
 use placement::Placement;
 
 /// The background of the views in space in a light window, sRGB.
@@ -61,6 +63,8 @@ pub struct Model {
     pub program: ReadProgram,
     /// True once a text has been read.
     pub read: bool,
+    /// True if the scene is made of the program that was read last, and not of an earlier one.
+    shows_text: bool,
     /// The faults of the program that are shown.
     pub faults: ProgramFaults,
     /// The object whose declaration the cursor is in.
@@ -107,6 +111,7 @@ impl Model {
     /// Takes over a compiled text. What the text does not determine stays as it is.
     pub fn take(&mut self, compiled: Compiled) {
         self.program = compiled.program;
+        self.shows_text = compiled.scene.is_some();
         let is_first = !std::mem::replace(&mut self.read, true);
         let stale = if compiled.scene.is_some() {
             compiled.stale.into_iter().collect()
@@ -115,8 +120,14 @@ impl Model {
             let objects = self.scene.iter().flat_map(|scene| &scene.objects);
             objects.map(|object| object.name.clone()).collect()
         };
+        let scene = compiled.scene.as_ref();
+        let of_run = scene.and_then(|scene| scene.diagnostics.as_deref());
         self.faults.take(Diagnosis {
-            findings: compiled.findings,
+            // The scene may be that of other values of the params.
+            findings: match of_run {
+                Some(diagnostics) => findings(&self.program.text, diagnostics),
+                None => compiled.findings,
+            },
             stale,
         });
         if is_first {
@@ -132,11 +143,26 @@ impl Model {
         self.follow_declared_values(&scene);
         // A camera that the user has not moved belongs to the old scene.
         self.history.note_scene();
-        self.take_rerun(scene);
+        self.replace_scene(scene);
     }
 
     /// Takes over the scene of the same text for other values of the params.
     pub fn take_rerun(&mut self, scene: Arc<Scene>) {
+        self.replace_scene(scene);
+        if let Some(diagnostics) = self.run_diagnostics() {
+            let findings = findings(&self.program.text, diagnostics);
+            self.faults.take_run(findings);
+        }
+    }
+
+    /// Returns the diagnostics of the text and of the run that made the scene that is shown; `None` if there is no such
+    /// run, or if the scene is that of an earlier text.
+    pub fn run_diagnostics(&self) -> Option<&[Diagnostic]> {
+        let scene = self.scene.as_ref().filter(|_| self.shows_text);
+        scene?.diagnostics.as_deref()
+    }
+
+    fn replace_scene(&mut self, scene: Arc<Scene>) {
         self.scene = Some(scene);
         self.param_values = None;
         self.renumber_paths();

@@ -87,7 +87,7 @@ pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
 }
 
 /// Adds lines and columns to diagnostics.
-fn findings(text: &str, diagnostics: &[Diagnostic]) -> Arc<[Finding]> {
+pub(crate) fn findings(text: &str, diagnostics: &[Diagnostic]) -> Arc<[Finding]> {
     if diagnostics.is_empty() {
         return Arc::default();
     }

@@ -275,7 +275,21 @@ impl Core {
             // A camera that the reader has not moved sees everything of a new scene too.
             self.model.reframe();
         }
+        self.rerun();
+    }
+
+    /// Makes the scene of the chosen params, and sends the findings of the run.
+    fn rerun(&mut self) {
+        if !self.model.awaits_rerun() {
+            return;
+        }
         self.model.rerun();
+        if let Some(diagnostics) = self.model.run_diagnostics() {
+            self.events.push(CoreEvent::Findings {
+                version: self.editing.version(),
+                findings: self.editing.findings(diagnostics),
+            });
+        }
     }
 
     /// Compiles the text. Returns whether the scene has changed.

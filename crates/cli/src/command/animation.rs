@@ -12,7 +12,7 @@ use export::mesh::MeshFormat;
 use export::print::PrintFormat;
 use export::video::VideoError;
 use render::PictureRequest;
-use scene::ParamValues;
+use scene::{FailedRun, ParamValues};
 
 use super::render::{Picture, failure as render_failure};
 use crate::argument::{self, Animated, Quantity};
@@ -87,6 +87,27 @@ struct DrawnPicture {
 type Draw<'a> = dyn Fn(f64, &(dyn Fn(f32) + Sync)) -> Result<Picture, Failure> + 'a;
 
 impl Arguments {
+    /// Sets the params to their values in the first frame, if the program is run for each frame.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`].
+    pub(super) fn begin(
+        &self,
+        program: &LoadedProgram,
+        params: &mut ParamValues,
+    ) -> Result<(), Failure> {
+        let scene = program.scene();
+        let animated = self.animate.iter().filter(|_| scene.rerun.is_some());
+        for Animated { name, from, .. } in animated {
+            let option = format!("--animate {name}");
+            let number = |quantity| program.number(&option, quantity, params);
+            let from: Result<Vec<f64>, Failure> = from.iter().map(number).collect();
+            let set = params.set(scene, name, &from?);
+            set.map_err(|error| failure(ScriptError::Set(error), program))?;
+        }
+        Ok(())
+    }
+
     /// Builds the script from the options, and checks the values at both ends and that the picture has the cameras that
     /// move.
     ///
@@ -122,7 +143,7 @@ impl Arguments {
             };
             for end in [&change.from, &change.to] {
                 let set = params.clone().set(scene, name, end);
-                set.map_err(|error| Failure::usage(format!("--animate: {error}")))?;
+                set.map_err(|error| failure(ScriptError::Set(error), program))?;
             }
             script.changes.push(change);
         }
@@ -401,9 +422,10 @@ impl Animation {
     }
 }
 
-/// Converts the error of a script into a failure of the command.
-pub(super) fn failure(error: ScriptError) -> Failure {
+/// Converts the error of a script into a failure of the command. Those of a run of the program are printed.
+pub(super) fn failure(error: ScriptError, program: &LoadedProgram) -> Failure {
     match error {
+        ScriptError::Run(FailedRun(diagnostics)) => program.failed_run(&diagnostics),
         ScriptError::Set(error) => Failure::usage(format!("--animate: {error}")),
         ScriptError::Camera(error) => render_failure(error),
     }

@@ -203,7 +203,9 @@ fn draw(
     mut program: LoadedProgram,
     context: &Context,
 ) -> Result<(), Failure> {
-    let params = program.params(&arguments.set)?;
+    let mut params = program.values(&arguments.set)?;
+    arguments.motion.begin(&program, &mut params)?;
+    program.run_for(&params)?;
     let program = &program;
     let views = &context.registry.views;
     let images = textures(&arguments.texture, arguments.images.as_deref(), program)?;
@@ -211,7 +213,8 @@ fn draw(
     let motion = &arguments.motion;
     let script = motion.script(program, &request)?;
     let animation = motion.animation(&arguments.output)?;
-    let request = script.steady(&request).map_err(animation::failure)?;
+    let request = script.steady(&request);
+    let request = request.map_err(|error| animation::failure(error, program))?;
     let mut notes = picture::idle_options(arguments, &request.view);
     notes.extend(picture::idle_colours(arguments, &request));
     notes.extend(picture::empty_space(&request.scene, &request.view));
@@ -225,7 +228,7 @@ fn draw(
     }
     let frame = |share: f64| -> Result<PictureRequest, Failure> {
         let frame = script.frame_at(&request, share);
-        let mut frame = frame.map_err(animation::failure)?;
+        let mut frame = frame.map_err(|error| animation::failure(error, program))?;
         frame.textures = images.at(&frame.scene, &frame.params)?;
         frame.curved.clear();
         if *frame.params != *request.params {

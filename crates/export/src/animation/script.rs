@@ -12,7 +12,7 @@ use render::trail::Trail;
 use render::view::space;
 use render::viewpoint::Viewpoint;
 use render::{PictureRequest, RenderError};
-use scene::{SetError, Shape};
+use scene::{FailedRun, SetError, Shape};
 
 /// The changes of an animation.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,6 +81,8 @@ pub enum ScriptError {
     Set(SetError),
     /// The camera cannot be placed or moved there.
     Camera(RenderError),
+    /// The program has errors for the values of its params.
+    Run(FailedRun),
 }
 
 impl Script {
@@ -94,6 +96,15 @@ impl Script {
         request: &PictureRequest,
         share: f64,
     ) -> Result<PictureRequest, ScriptError> {
+        let frame = self.moved(request, share)?;
+        let made = frame.scene.made_anew(&frame.params);
+        let scene = made.as_ref().unwrap_or(frame.scene.arc());
+        scene.check_run().map_err(ScriptError::Run)?;
+        Ok(frame)
+    }
+
+    /// As [`Self::frame_at`], also for values for which the program has errors.
+    fn moved(&self, request: &PictureRequest, share: f64) -> Result<PictureRequest, ScriptError> {
         let mut request = request.clone();
         for ParamChange { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
@@ -152,7 +163,7 @@ impl Script {
         };
         let (mut cloud, mut facing) = (Vec::new(), None);
         for step in 0..LOOKS {
-            let bounds = space::bounds(&params.frame_at(&plain, Course::Once.share(step, LOOKS))?);
+            let bounds = space::bounds(&params.moved(&plain, Course::Once.share(step, LOOKS))?);
             facing = facing.or(bounds.facing);
             let places = bounds.cloud.iter();
             cloud.extend(places.map(|&place| bounds.placement.world(DrawingPoint(place)).0));
@@ -256,6 +267,7 @@ impl fmt::Display for ScriptError {
         match self {
             Self::Set(error) => write!(f, "{error}"),
             Self::Camera(error) => write!(f, "{error}"),
+            Self::Run(error) => write!(f, "{error}"),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use scene::ParamValues;
 use scene::crt::{Converted, MAX_CONVERTED_LEAVES};
-use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
 use super::CrtAnalysis;
@@ -19,8 +19,13 @@ use crate::language::Analysis;
 /// # Errors
 /// [`ConvertError`].
 pub(super) fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, ConvertError> {
-    let diagnostics = analysis.diagnostics();
-    if diagnostics.iter().any(|it| it.severity == Severity::Error) {
+    let run = analysis
+        .run()
+        .filter(|_| analysis.errors().next().is_none());
+    let scene = run.map(|run| &run.scene).ok_or(ConvertError::HasErrors)?;
+    let mut params = ParamValues::initial(scene);
+    let set = params.set(scene, "t", &[t]);
+    if set.is_err() || scene.at(&params).check_run().is_err() {
         return Err(ConvertError::HasErrors);
     }
     let whole = analysis.slice(Span::new(0, analysis.text().len()));

@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use expr::number::grouped;
+use expr::number::{self, grouped};
 use syntax::crt::tree::{
     Arm, BinaryOperator, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement,
     StatementKind, Suffix, SuffixKind,
@@ -43,6 +43,8 @@ const MAX_POINTERS: usize = 1_000;
 const MAX_DIAGNOSTICS: usize = 1000;
 
 /// An error has been reported, and the statement is abandoned.
+    /// The value of `t` for which the script is run, unless the script assigns `t`.
+    Frame,
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stopped;
 
@@ -89,6 +91,10 @@ pub(super) struct Interpreter<'s> {
     pub(super) base: u32,
     pub(super) random: JavaRandom,
     pub(super) call_depth: u32,
+    /// The value of `t` for which the script is run.
+    t: f64,
+    /// True once it has been read: later errors may be absent for another value.
+    has_read_t: bool,
     scopes: Vec<ScopeNames>,
     scope: usize,
     work: u32,
@@ -113,13 +119,13 @@ pub(super) struct Interpreter<'s> {
 impl<'s> Interpreter<'s> {
     pub(super) fn new(lines: &'s ScriptLines, t: f64, given_up: &'s AtomicBool) -> Self {
         let mut names = ScopeNames::default();
-        names
-            .names
-            .insert("t".into(), Binding::Value(ScriptValue::Float(t)));
+        names.names.insert("t".into(), Binding::Frame);
         Self {
             lines,
             base: 0,
             random: JavaRandom::new(1337),
+            t,
+            has_read_t: false,
             call_depth: 0,
             scopes: vec![names],
             scope: 0,
@@ -180,7 +186,7 @@ impl<'s> Interpreter<'s> {
             value: match it.binding {
                 Binding::Value(value) => Some(value),
                 Binding::Pointer(other, _) => self.known(&other),
-                Binding::Faulty => None,
+                Binding::Frame | Binding::Faulty => None,
             },
         });
         let mut assignments: Vec<Assignment> = assigned.collect();
@@ -202,6 +208,7 @@ impl<'s> Interpreter<'s> {
 
     /// Returns the value of an expression after the script; its spans are relative to its own start.
     pub(super) fn value_at_end(
+        self.has_read_t = false;
         mut self,
         expression: &Expression,
     ) -> Result<Evaluated, Vec<Diagnostic>> {
@@ -228,8 +235,12 @@ impl<'s> Interpreter<'s> {
         self.report_placed(diagnostic.moved(self.base));
     }
 
+            if self.has_read_t && diagnostic.severity == Severity::Error {
+                let t = number::text(self.t);
+                diagnostic.message = format!("{} (at t = {t})", diagnostic.message);
+            }
     /// Reports a diagnostic whose spans are relative to the start of the text.
-    fn report_placed(&mut self, diagnostic: Diagnostic) {
+    fn report_placed(&mut self, mut diagnostic: Diagnostic) {
         let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
         if self.diagnostics.len() < MAX_DIAGNOSTICS && !self.diagnostics.iter().any(is_same) {
             self.diagnostics.push(diagnostic);
@@ -556,6 +567,10 @@ impl<'s> Interpreter<'s> {
         for _ in 0..=MAX_POINTERS {
             match binding {
                 Binding::Pointer(other, place) => {
+                Binding::Frame => {
+                    self.has_read_t = true;
+                    return Ok(Binding::Value(ScriptValue::Float(self.t)));
+                }
                     self.steps += 1;
                     let found = self.find(&other, scope);
                     (scope, binding) = found.ok_or(Some((other, place)))?;

@@ -713,3 +713,27 @@ fn the_scene_of_a_script_is_that_of_its_params() {
         (vec!["3:9".to_owned()], vec![0])
     );
 }
+
+#[test]
+fn the_findings_of_a_script_are_those_of_its_params() {
+    let text = "Scene { Sphere { center -> vec3(2, 0, 8) radius -> 2 - t } }";
+    let mut reader = Reader::default();
+    let mut model = Model::default();
+    model.take(read_as("a.crt", &mut reader, text));
+    let errors = |model: &Model| -> Vec<String> {
+        let errors = model.faults.errors();
+        errors.map(|it| it.message.clone()).collect()
+    };
+    assert!(errors(&model).is_empty());
+    set(&mut model, "t", 2.0);
+    model.rerun();
+    let message = "`radius` must be > 0, but this is 0 (at t = 2)";
+    assert_eq!(errors(&model), [message]);
+    // The scene of a text that cannot be read is that of the one before.
+    model.take(read_as("a.crt", &mut reader, "Scene {"));
+    model.faults.show_latest();
+    let of_reading = errors(&model);
+    set(&mut model, "t", 3.0);
+    model.rerun();
+    assert_eq!(errors(&model), of_reading);
+}

@@ -162,7 +162,7 @@ impl Core {
         self.now = now;
         self.read();
         self.advance();
-        self.model.rerun();
+        self.rerun();
         let next_end = self.let_end();
         let drawn = self.draw_next();
         self.send_changes();

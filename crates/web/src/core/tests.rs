@@ -443,6 +443,24 @@ fn the_mesh_of_a_script_is_that_of_its_params() {
 }
 
 #[test]
+fn the_findings_of_a_script_are_those_of_its_params() {
+    let script = "Scene { Sphere { center -> vec3(0, 0, 5) radius -> 2 - t } }";
+    let mut page = Page::open_as("a.crt", script);
+    page.panes(&["3d"]);
+    page.work();
+    for (t, expected) in [(2, 1), (1, 0)] {
+        page.notify("change", json!({ "patch": { "params": { "t": [t] } } }));
+        page.work();
+        let mut events = page.events.iter().rev();
+        let found = events.find_map(|event| match event {
+            CoreEvent::Findings { findings, .. } => Some(findings.len()),
+            _ => None,
+        });
+        assert_eq!(found, Some(expected), "t = {t}");
+    }
+}
+
+#[test]
 fn a_param_and_a_camera_are_written_into_the_text() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);

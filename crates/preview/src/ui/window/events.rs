@@ -59,7 +59,10 @@ impl Window {
                 self.take_compiled(text);
                 self.open_wanted();
             }
-            CompilerEvent::Rerun { scene, .. } => self.model.take_rerun(scene),
+            CompilerEvent::Rerun { scene, .. } => {
+                self.model.take_rerun(scene);
+                self.text.painter.mark(self.model.faults.findings());
+            }
         }
     }
 
