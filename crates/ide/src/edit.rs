@@ -41,6 +41,20 @@ impl Edit {
             text: text.into(),
         }
     }
+
+    /// Returns the part of an edit of white space that concerns the line that begins at `start`, and those below it; `None` if
+    /// it changes nothing there.
+    pub(crate) fn clipped(self, start: u32, text: &dyn Text) -> Option<Self> {
+        if start <= self.span.start {
+            return Some(self);
+        }
+        let above = text.slice(Span::new(self.span.start, start))?;
+        let breaks = above.matches('\n').count();
+        let rest = self.text.splitn(breaks + 1, '\n').last()?;
+        let span = Span::new(start, self.span.end);
+        let old = text.slice(span)?;
+        (old != rest).then(|| Self::replace(span, rest))
+    }
 }
 
 /// Returns the text after edits that do not overlap, in any order; edits at the same position are applied in the given

@@ -496,6 +496,30 @@ fn the_layout_keeps_line_ends_and_lines_that_are_warned_about() {
 }
 
 #[test]
+fn the_lines_of_a_range_have_the_layout_of_the_whole_text() {
+    let text = "Scene {\r\nx=1 \r\n\r\n\r\n y=2\r\n}\r\n";
+    let analysis = read(text);
+    let formatted = |from: &str, to: &str| {
+        let end = at(text, to) + to.len() as u32;
+        apply(text, &analysis.format(Some(Span::new(at(text, from), end))))
+    };
+    let first = "Scene {\r\n    x = 1 \r\n\r\n\r\n y=2\r\n}\r\n";
+    assert_eq!(formatted("x=1", "=1"), first);
+    assert_eq!(formatted("=1", "1"), first);
+    // Blank lines above the selected ones stay.
+    let second = "Scene {\r\nx=1 \r\n\r\n\r\n    y = 2\r\n}\r\n";
+    assert_eq!(formatted("y=2", "=2"), second);
+    assert_eq!(formatted(" y=2", "=2"), second);
+    let whole = apply(text, &analysis.format(None));
+    assert_eq!(formatted("Scene", "}\r\n"), whole);
+    // An object whose first line moves moves with its attributes.
+    let text = "Scene {\n Sphere {\n  center -> vec3(0, 0, 0)\n  radius -> 1\n }\n}\n";
+    let range = Span::new(at(text, " Sphere"), at(text, " }\n}") + 2);
+    let whole = apply(text, &read(text).format(None));
+    assert_eq!(apply(text, &read(text).format(Some(range))), whole);
+}
+
+#[test]
 fn a_script_is_converted_if_it_has_no_error_at_that_t() {
     let text = "Scene { Sphere { center -> vec3(0, 0, 3) radius -> 2 - t } }";
     let analysis = read(text);

@@ -124,3 +124,22 @@ fn a_range_touches_only_its_declarations() {
         "define a=1;\ndefine b = 2;\ndefine c=3;"
     );
 }
+
+#[test]
+fn the_first_line_of_a_range_is_indented_and_those_above_stay() {
+    let text = "define a=1;  \n\n\n   define b=2;\ndefine c=3;";
+    let analysis = GeotraceAnalysis::new(text);
+    let start = text.find("   define").expect("there") as u32;
+    let end = start + 14;
+    for start in [start, start + 5] {
+        let edits = format(&analysis, Some(Span::new(start, end)));
+        assert_eq!(
+            edit::apply(text, &edits),
+            "define a=1;  \n\n\ndefine b = 2;\ndefine c=3;"
+        );
+    }
+    // A declaration that shares its line with another one stays there.
+    let text = "define a=1;   define b=2;";
+    let edits = format(&GeotraceAnalysis::new(text), Some(Span::new(18, 25)));
+    assert_eq!(edit::apply(text, &edits), "define a=1;   define b = 2;");
+}

@@ -21,7 +21,7 @@ use crate::text::Text;
 /// The number of columns of a level.
 const LEVEL: usize = 4;
 
-/// Returns the edits that format the text, or the part of it in a range.
+/// Returns the edits that format the text, or the lines of it that begin in a range, or in which it begins.
 pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     let text = analysis.snapshot_text().string();
     // A script with run-time errors is formatted all the same.
@@ -38,7 +38,14 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
         return Vec::new();
     }
     if let Some(range) = range {
-        edits.retain(|edit| edit.span.start >= range.start && edit.span.end <= range.end);
+        let snapshot = analysis.snapshot_text();
+        let line = snapshot.line(range.start);
+        let start = snapshot.line_start(line).unwrap_or(range.start);
+        edits.retain(|edit| edit.span.end >= start && edit.span.end <= range.end);
+        let edits = edits.into_iter();
+        return edits
+            .filter_map(|edit| edit.clipped(start, snapshot))
+            .collect();
     }
     edits
 }

@@ -16,6 +16,7 @@ use syntax::span::Span;
 use super::analysis::{GeotraceAnalysis, Lexeme};
 use super::meaning::Meanings;
 use crate::edit::{self, Edit};
+use crate::text::Text;
 
 /// The indentation of continuation lines.
 const INDENT: &str = "    ";
@@ -54,6 +55,8 @@ pub fn laid_out(text: &str) -> String {
 /// Returns the edits of the white space between tokens.
 fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let wanted = range.map(|range| whole_items(analysis, range));
+    let text: &dyn Text = analysis.document();
+    let first_line = wanted.and_then(|wanted| text.line_start(text.line(wanted.start)));
     // A range is formatted from the end of the token before it: no declaration is open there.
     let first = wanted.map_or(0, |wanted| {
         analysis.document().tokens_ended(wanted.start) as usize
@@ -79,6 +82,9 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
         let next = layout.gap(&written, before, token);
         let next = next.replace('\n', new_line);
         let inside = wanted.is_none_or(|wanted| wanted.start <= gap.start && gap.end <= wanted.end);
+        // The indentation of the first declaration is its own, and the lines above are not.
+        let is_first =
+            wanted.is_some_and(|wanted| wanted.start == gap.end) && first_line >= Some(gap.start);
         while unreadable
             .next_if(|part| part.end <= token.span.start)
             .is_some()
@@ -89,8 +95,9 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
                 matches!(token.kind, TokenKind::Declare(_)) && gap.start <= part.start;
             part.start <= token.span.start && !starts_line
         });
-        if inside && !stays && next != written {
-            edits.push(Edit::replace(gap, next));
+        if (inside || is_first) && !stays && next != written {
+            let edit = Edit::replace(gap, next);
+            edits.extend(edit.clipped(first_line.unwrap_or(0), text));
         }
         layout.pass(token.kind);
         end = token.span.end;
