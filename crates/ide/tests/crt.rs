@@ -240,7 +240,9 @@ Scene { }
     assert!(hover(text, "v = vec3").contains("Value: vec3(1.0, 2.5, 18.0), a Vector."));
     assert!(hover(text, "w = v").contains("Value: vec3(1.0, 2.5, 18.0), a Vector."));
     assert!(hover(text, "list").contains("Value: [1, \"a\", rgb(1.0, 0.0, 0.0)], a List."));
-    assert!(hover(text, "bad").contains("No value"));
+    assert!(hover(text, "bad").contains("No value: the run ends in an error there."));
+    let dangling = hover("x = (sen)\nScene { }", "x");
+    assert!(dangling.contains("No value: sen has none."), "{dangling}");
     assert!(hover(text, "unseen").contains("The run does not reach this."));
     // A script that cannot be read is not run.
     let faulty = hover("a = 1\nb = )\n", "a = 1");

@@ -285,3 +285,33 @@ fn the_errors_of_a_run_belong_to_its_scene_and_name_t() {
         ]
     );
 }
+
+#[test]
+fn a_pointer_to_a_name_that_is_never_assigned_is_a_warning() {
+    let found = |text| -> Vec<String> {
+        let found = ran(text).diagnostics.into_iter();
+        found
+            .map(|it| format!("{:?} {} {}", it.severity, it.span.text(text), it.message))
+            .collect()
+    };
+    let text = "grin = 1 x = sen y = x z = grin
+m = Macro () { colour = gren later = (grin) }
+Scene { m() m() }";
+    assert_eq!(
+        found(text),
+        [
+            "Warning sen no variable `sen` has been assigned",
+            "Warning gren no variable `gren` has been assigned",
+        ]
+    );
+    // A use of it is an error, and a name that is assigned later none.
+    assert_eq!(
+        found("a = b c = a + 1 d = e e = 2"),
+        [
+            "Error b no variable `b` has been assigned",
+            "Hint d = e this points to `e`, which is assigned later: it then has that value",
+        ]
+    );
+    // A name whose assignment had an error has been reported.
+    assert_eq!(found("a = 1 / 0 b = a").len(), 1);
+}

@@ -157,7 +157,10 @@ fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
     let source = analysis.slice(*whole);
     let source = source.lines().next().unwrap_or_default();
     let mut text = match last.kind() {
-        None => "No value: the run ends in an error there".to_owned(),
+        None => match pointed(source) {
+            Some(other) => format!("No value: `{other}` has none"),
+            None => "No value: the run ends in an error there".to_owned(),
+        },
         Some(kind) => {
             let word = if times == 1 { "Value" } else { "Last value" };
             match last.entity() {
@@ -184,6 +187,15 @@ fn article(kind: &str) -> &'static str {
         true => "an",
         false => "a",
     }
+}
+
+/// Returns the name to which an assignment makes its own point.
+fn pointed(assignment: &str) -> Option<&str> {
+    let (_, source) = assignment.split_once('=')?;
+    let name = source.trim_matches(|c: char| c.is_whitespace() || "()".contains(c));
+    let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_alphanumeric());
+    is_name.then_some(name)
 }
 
 /// `union of 3 leaves, x from −1 to 1, …`.

@@ -171,6 +171,9 @@ impl<'s> Interpreter<'s> {
                 BlockKind::Settings(..) | BlockKind::Scene(_) => {}
             }
         }
+        if !self.is_over {
+            self.report_dangling();
+        }
     }
 
     /// Returns the scene, the diagnostics and the assignments of a run; `None` if it was cancelled.
@@ -205,10 +208,10 @@ impl<'s> Interpreter<'s> {
     pub(super) fn left(self) -> (ScriptSettings, Vec<Arc<Entity>>) {
         (self.settings, self.drawn)
     }
+        self.has_read_t = false;
 
     /// Returns the value of an expression after the script; its spans are relative to its own start.
     pub(super) fn value_at_end(
-        self.has_read_t = false;
         mut self,
         expression: &Expression,
     ) -> Result<Evaluated, Vec<Diagnostic>> {
@@ -232,13 +235,13 @@ impl<'s> Interpreter<'s> {
 
     /// Reports a diagnostic whose spans are relative to the base, once for each span.
     pub(super) fn report(&mut self, diagnostic: Diagnostic) {
-        self.report_placed(diagnostic.moved(self.base));
-    }
-
             if self.has_read_t && diagnostic.severity == Severity::Error {
                 let t = number::text(self.t);
                 diagnostic.message = format!("{} (at t = {t})", diagnostic.message);
             }
+        self.report_placed(diagnostic.moved(self.base));
+    }
+
     /// Reports a diagnostic whose spans are relative to the start of the text.
     fn report_placed(&mut self, mut diagnostic: Diagnostic) {
         let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
@@ -564,13 +567,13 @@ impl<'s> Interpreter<'s> {
     fn resolved(&mut self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
         let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
         // Cycles are refused, but a name bound later in an inner scope might still close one.
-        for _ in 0..=MAX_POINTERS {
-            match binding {
-                Binding::Pointer(other, place) => {
                 Binding::Frame => {
                     self.has_read_t = true;
                     return Ok(Binding::Value(ScriptValue::Float(self.t)));
                 }
+        for _ in 0..=MAX_POINTERS {
+            match binding {
+                Binding::Pointer(other, place) => {
                     self.steps += 1;
                     let found = self.find(&other, scope);
                     (scope, binding) = found.ok_or(Some((other, place)))?;
@@ -582,6 +585,42 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Returns the names that are visible at the present point of the run, in no particular order.
+    /// Reports the pointers of the present scope to names that have never been assigned: at its end, no assignment can
+    /// follow.
+    fn report_dangling(&mut self) {
+        let names = self.scopes[self.scope].names.values();
+        let pointers = names.filter_map(|binding| match binding {
+            Binding::Pointer(other, place) => Some((*place, other.clone())),
+            _ => None,
+        });
+        let mut pointers: Vec<(Span, Arc<str>)> = pointers.collect();
+        pointers.sort_unstable();
+        for (place, other) in pointers {
+            if let Err(None) = self.resolved(&other)
+                && self.diagnostics.len() < MAX_DIAGNOSTICS
+            {
+                let unknown = self.unknown(&other, place);
+                self.report_placed(Diagnostic {
+                    severity: Severity::Warning,
+                    ..unknown
+                });
+            }
+        }
+    }
+
+    /// Returns the error of a name that has not been assigned.
+    fn unknown(&self, missing: &str, place: Span) -> Diagnostic {
+        let mut all = self.visible_names();
+        // Among names equally near, the first is chosen.
+        all.sort_unstable();
+        let message = format!("no variable `{missing}` has been assigned");
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, place, message);
+        match nearest(missing, all.into_iter()) {
+            Some(near) => diagnostic.with_hint(format!("did you mean `{near}`?")),
+            None => diagnostic,
+        }
+    }
+
     fn visible_names(&self) -> Vec<&str> {
         let parent = |scope: &usize| self.scopes[*scope].parent;
         let scopes = std::iter::successors(Some(self.scope), parent);
@@ -600,15 +639,7 @@ impl<'s> Interpreter<'s> {
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return Err(Stopped);
         }
-        let mut all = self.visible_names();
-        // Among names equally near, the first is chosen.
-        all.sort_unstable();
-        let near = nearest(&missing, all.into_iter());
-        let message = format!("no variable `{missing}` has been assigned");
-        let mut diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, place, message);
-        if let Some(near) = near {
-            diagnostic = diagnostic.with_hint(format!("did you mean `{near}`?"));
-        }
+        let mut diagnostic = self.unknown(&missing, place);
         if place != used {
             let message = format!("`{name}` points to it, and is used here");
             diagnostic = diagnostic.with_related(used, message);
@@ -830,6 +861,9 @@ impl<'s> Interpreter<'s> {
             names: names.collect(),
             pointed: HashMap::new(),
         });
+        if done.is_ok() {
+            self.report_dangling();
+        }
         let inner = self.scopes.len() - 1;
         let (scope, base) = (self.scope, self.base);
         (self.scope, self.base) = (inner, called.base);
