@@ -315,3 +315,18 @@ Scene { m() m() }";
     // A name whose assignment had an error has been reported.
     assert_eq!(found("a = 1 / 0 b = a").len(), 1);
 }
+
+#[test]
+fn a_string_is_shown_as_a_literal_of_a_script() {
+    for literal in [
+        r#""e\u0301 \ud83d\udc68\u200d\ud83d\udc69""#,
+        r#""\"\\ \n\r\t\u0001""#,
+    ] {
+        let shown = value("", literal).expect("a string").text;
+        assert_eq!(value("", &shown).expect(&shown).text, shown);
+        let is_plain = |c: char| !c.is_control();
+        assert!(shown.chars().all(is_plain), "{shown:?}");
+    }
+    let shown = value("", r#""e\u0301\u0001""#).expect("a string").text;
+    assert_eq!(shown, "\"e\u{301}\\u0001\"");
+}

@@ -206,7 +206,7 @@ impl ScriptValue {
             format!("{name}({})", parts.join(", "))
         };
         let text = match self {
-            Self::Text(text) => format!("{text:?}"),
+            Self::Text(text) => quoted(text),
             Self::Vector(vector) => parts("vec3", vector),
             Self::Colour(colour) => parts("rgb", colour),
             Self::List(list) => {
@@ -239,6 +239,23 @@ impl ScriptValue {
         };
         into.push_str(&text);
     }
+}
+
+/// Returns a string as a literal, with Java's escapes.
+fn quoted(text: &str) -> String {
+    let mut literal = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => literal.extend(['\\', c]),
+            '\n' => literal.push_str("\\n"),
+            '\r' => literal.push_str("\\r"),
+            '\t' => literal.push_str("\\t"),
+            c if c.is_control() => literal.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => literal.push(c),
+        }
+    }
+    literal.push('"');
+    literal
 }
 
 /// Returns a Float in the format of Java.
