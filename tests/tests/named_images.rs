@@ -270,4 +270,9 @@ Scene {{ }}
         "{}",
         run.stderr
     );
+    // The empty path names nothing.
+    let text = "Settings { background -> Background { image -> \"\" } }\nScene { }";
+    std::fs::write(&file, text).expect("written");
+    let run = geotrace(["render", &file, "-o", &out, "--size", "24x16"]).run();
+    run.expect_text("is not shown: its path names no file");
 }

@@ -45,6 +45,7 @@ pub fn missing_file(name: &str, folders: &[PathBuf]) -> String {
     };
     let [a, b, c] = ENDINGS;
     match path_below(name) {
+        None if !name.contains("..") => format!("{hidden}: its path names no file"),
         None => {
             format!("{hidden}: its path leads out of the program's folder; name it without `..`")
         }
