@@ -294,6 +294,17 @@ fn an_error_at_t_0_refuses_no_other_t() {
 }
 
 #[test]
+fn a_script_on_standard_input_is_recognised() {
+    let note = "`--language crt`";
+    let script = "s = Sphere { center -> vec3(0, 0, 3) radius -> 1 }\nScene { s }\n";
+    let run = geotrace(["check", "-"]).input(script).run();
+    run.expect_status(1).expect_text(note);
+    // A program with errors is none.
+    let run = geotrace(["check", "-"]).input("point p = (1, 2;").run();
+    assert!(!run.stderr.contains(note), "{}", run.stderr);
+}
+
+#[test]
 fn a_colour_may_be_brighter_than_white() {
     let folder = tempfile::tempdir().expect("a folder");
     let script = written(

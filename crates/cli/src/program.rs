@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use geometry::{Manifold, ManifoldError};
-use ide::language::{Compiled, Scope};
+use ide::language::{Compiled, Language, Scope};
 use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Shape, Value};
 use syntax::diagnostic::Diagnostic;
 
@@ -44,11 +44,30 @@ pub(crate) fn compile(context: &Context, path: &Path) -> Result<(SourceText, Com
         file: source.name.clone(),
         reason: error.to_string(),
     })?;
+    if path == Path::new("-") && context.language.is_none() && compiled.scene.is_none() {
+        note_other_language(context, text, &compiled);
+    }
     if let Some(diagnostic) = &source.undecodable {
         compiled.diagnostics = vec![diagnostic.clone()];
         compiled.scene = None;
     }
     Ok((source, compiled))
+}
+
+/// Prints a note if standard input, which is read in the standard language, has fewer errors in another one.
+fn note_other_language(context: &Context, text: &str, compiled: &Compiled) {
+    let errors = SeverityCounts::count(&compiled.diagnostics).errors;
+    let mut others = context.registry.languages.all();
+    let fits = |language: &&Arc<dyn Language>| {
+        let read = language.compile(text);
+        read.is_ok_and(|it| SeverityCounts::count(&it.diagnostics).errors < errors)
+    };
+    if let Some(other) = others.find(fits) {
+        output::print_error(&format!(
+            "note: this seems to be in another language: `--language {}`\n",
+            other.name()
+        ));
+    }
 }
 
 impl LoadedProgram {
@@ -70,6 +89,7 @@ impl LoadedProgram {
         })?;
         Ok(Self {
             source,
+            format,
             scene,
             scope: compiled.scope,
         })
@@ -89,7 +109,6 @@ impl LoadedProgram {
         expression: &str,
         params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-            format,
         self.scope.evaluate(expression, params)
     }
 
@@ -123,6 +142,16 @@ impl LoadedProgram {
     /// # Errors
     /// Those of [`Self::values`] and [`Self::run_for`].
     pub(crate) fn params(&mut self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
+        let params = self.values(assignments)?;
+        self.run_for(&params)?;
+        Ok(params)
+    }
+
+    /// Returns the params at their initial values, changed by the `--set` arguments.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
+    pub(crate) fn values(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
         let scene = self.scene();
         let mut params = ParamValues::initial(scene);
         for assignment in assignments {
@@ -139,35 +168,6 @@ impl LoadedProgram {
         Ok(params)
     }
 
-    /// Evaluates the number given to an option. An expression may use all names of the program.
-    ///
-        let params = self.values(assignments)?;
-        self.run_for(&params)?;
-        Ok(params)
-    }
-
-    /// Returns the params at their initial values, changed by the `--set` arguments.
-    ///
-    /// # Errors
-    /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
-    pub(crate) fn values(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
-    /// # Errors
-    /// [`Failure::Usage`] if the expression has an error or is not a number.
-    pub(crate) fn number(
-        &self,
-        option: &str,
-        quantity: &Quantity,
-        params: &ParamValues,
-    ) -> Result<f64, Failure> {
-        let text = match quantity {
-            Quantity::Number(value) => return Ok(*value),
-            Quantity::Expression(text) => text,
-        };
-        let wrong = |reason: &str, hint: Option<String>| Failure::Usage {
-            message: format!("{option}: `{text}`: {reason}"),
-            hint,
-        };
-        match self.evaluate(text, params) {
     /// Gives the program the scene of these params. If the program is run for that, the diagnostics of the run are reported.
     ///
     /// # Errors
@@ -186,6 +186,25 @@ impl LoadedProgram {
         }
     }
 
+    /// Evaluates the number given to an option. An expression may use all names of the program.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if the expression has an error or is not a number.
+    pub(crate) fn number(
+        &self,
+        option: &str,
+        quantity: &Quantity,
+        params: &ParamValues,
+    ) -> Result<f64, Failure> {
+        let text = match quantity {
+            Quantity::Number(value) => return Ok(*value),
+            Quantity::Expression(text) => text,
+        };
+        let wrong = |reason: &str, hint: Option<String>| Failure::Usage {
+            message: format!("{option}: `{text}`: {reason}"),
+            hint,
+        };
+        match self.evaluate(text, params) {
             Ok(evaluation) => match evaluation.outcome {
                 Outcome::Single(Value::Number(Some(value))) => Ok(value),
                 Outcome::Single(Value::Number(None)) => {

@@ -7,8 +7,13 @@ pub enum RenameError {
     NoName,
     /// The name is builtin.
     Builtin(String),
-    /// The new name is not valid: names start with a letter and consist of letters and digits.
-    NotAName(String),
+    /// The new name is not valid.
+    NotAName {
+        /// The name.
+        name: String,
+        /// The rule for names.
+        rule: &'static str,
+    },
     /// The new name is a keyword of declarations.
     Keyword(String),
     /// The new name is already defined; `line` (from 1) is where, unless it is builtin.
@@ -32,10 +37,7 @@ impl std::fmt::Display for RenameError {
         match self {
             Self::NoName => f.write_str("there is no name here"),
             Self::Builtin(name) => write!(f, "`{name}` is builtin and cannot be renamed"),
-            Self::NotAName(name) => write!(
-                f,
-                "`{name}` is not a name: a name starts with a letter and has only letters a-z, A-Z and digits"
-            ),
+            Self::NotAName { name, rule } => write!(f, "`{name}` is not a name: {rule}"),
             Self::Keyword(name) => {
                 write!(f, "`{name}` is a keyword: it cannot be a name")
             }

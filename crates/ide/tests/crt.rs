@@ -522,6 +522,16 @@ fn the_lines_of_a_range_have_the_layout_of_the_whole_text() {
 }
 
 #[test]
+fn a_name_with_a_capital_letter_is_refused_with_the_rule_of_variables() {
+    let text = "count = 1\nScene { }";
+    let refused = read(text).rename(0, "Zahl").expect_err("a capital letter");
+    assert_eq!(
+        refused.to_string(),
+        "`Zahl` is not a name: a variable starts with a letter a-z and has only letters a-z, A-Z and digits"
+    );
+}
+
+#[test]
 fn a_script_is_converted_if_it_has_no_error_at_that_t() {
     let text = "Scene { Sphere { center -> vec3(0, 0, 3) radius -> 2 - t } }";
     let analysis = read(text);

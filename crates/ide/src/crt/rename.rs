@@ -38,7 +38,10 @@ pub(super) fn rename(
     let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.bytes().all(|byte| byte.is_ascii_alphanumeric());
     if !is_name {
-        return Err(RenameError::NotAName(name.to_owned()));
+        return Err(RenameError::NotAName {
+            name: name.to_owned(),
+            rule: "a variable starts with a letter a-z and has only letters a-z, A-Z and digits",
+        });
     }
     if TokenKind::from_word(name).is_some() {
         return Err(RenameError::Keyword(name.to_owned()));

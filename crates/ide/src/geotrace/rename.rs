@@ -103,7 +103,10 @@ pub(crate) fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
 /// Refuses an invalid or unavailable name.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
     if !is_name(name) {
-        return Err(RenameError::NotAName(name.to_owned()));
+        return Err(RenameError::NotAName {
+            name: name.to_owned(),
+            rule: "a name starts with a letter and has only letters a-z, A-Z and digits",
+        });
     }
     if is_reserved(name) {
         return Err(RenameError::Keyword(name.to_owned()));

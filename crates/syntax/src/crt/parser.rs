@@ -275,15 +275,19 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
     /// `"(" Expr ")" "{" Stmts "}"`
     fn arm(&mut self, start: u32) {
         let open = self.current.span;
-        if self.accept(TokenKind::ParenOpen, "a `(`") {
+        if self.at(TokenKind::ParenOpen) {
+            self.advance();
             self.brackets += 1;
             self.expression();
             self.close(TokenKind::ParenClose, open);
             self.brackets -= 1;
-        } else if self.current.kind.begins_expression() {
-            self.expression();
         } else {
-            self.missing();
+            let hint = "the condition is enclosed in `(` and `)`";
+            self.unexpected_with("a `(`", Some(hint.to_owned()));
+            match self.current.kind.begins_expression() {
+                true => self.expression(),
+                false => self.missing(),
+            }
         }
         self.body();
         self.step(ParseStep::Arm, start);

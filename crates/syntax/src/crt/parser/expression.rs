@@ -129,9 +129,13 @@ impl<A: Actions> Parser<'_, '_, A> {
             let suffix = match self.current.kind {
                 TokenKind::BracketOpen => {
                     self.check_continued_line();
+                    let begins_line = self.begins_line();
                     self.advance();
                     self.brackets += 1;
                     self.expression();
+                    if self.at(TokenKind::Comma) {
+                        self.pass_more_indices(open, begins_line);
+                    }
                     self.close(TokenKind::BracketClose, open);
                     self.brackets -= 1;
                     ParseStep::Element(Span::new(open.start, self.previous.span.end))
@@ -227,6 +231,25 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.close(closer, open);
         self.brackets -= 1;
         count
+    }
+
+    /// Reports a list that stands where one index is expected, and reads the rest of it, from the `,` after its first element.
+    fn pass_more_indices(&mut self, open: Span, begins_line: bool) {
+        let message = "`[ ]` after a value takes one index";
+        if let Some(diagnostic) = self.fault(codes::UNEXPECTED_TOKEN, self.current.span, message) {
+            let hint = "a `[` at the start of a line continues the line above: give the list a name, as in `list = [a, b]`";
+            self.report(match begins_line {
+                true => diagnostic.with_hint(hint),
+                false => diagnostic,
+            });
+        }
+        let mut count = 1;
+        while self.at(TokenKind::Comma) {
+            self.advance();
+            self.expression();
+            count += 1;
+        }
+        self.step(ParseStep::List(count), open.end);
     }
 
     /// Returns true if another argument seems to begin here: on the same line, and not an attribute.
