@@ -522,6 +522,26 @@ fn the_lines_of_a_range_have_the_layout_of_the_whole_text() {
 }
 
 #[test]
+fn the_frame_is_completed_and_modifiers_before_their_bracket_is_closed() {
+    let labels = |text: &str| -> Vec<String> {
+        let offset = at(text, "|");
+        let found = read(&text.replace('|', "")).completions(offset, false);
+        found.list.into_iter().map(|it| it.label).collect()
+    };
+    let has = |text: &str, word: &str| labels(text).iter().any(|it| it == word);
+    assert!(has("x = |\nScene { }", "t"));
+    let own = labels("m = Macro (t) { x = | }");
+    assert_eq!(own.iter().filter(|it| *it == "t").count(), 1);
+    for text in ["Scene { x <tr|\n}", "Scene { x <|\n}", "Scene { x <tr|>\n}"] {
+        assert!(has(text, "translate"), "{text}");
+    }
+    assert!(has("x = 1\nScene { if (1 < |) { } }", "x"), "a comparison");
+    assert!(!has("x = 1\nScene { x <|> }", "x"));
+    let described = read("").describe_completion(0, "t").expect("a description");
+    assert!(described.plain().contains("The frame"));
+}
+
+#[test]
 fn a_name_with_a_capital_letter_is_refused_with_the_rule_of_variables() {
     let text = "count = 1\nScene { }";
     let refused = read(text).rename(0, "Zahl").expect_err("a capital letter");

@@ -20,6 +20,8 @@ enum CompletionPlace {
     Choice(&'static [&'static str], bool),
     /// A modifier, within `<…>`.
     Modifier,
+    /// A modifier, or a value that is compared with the one before.
+    BehindLess,
     /// Another value.
     Value,
     /// A statement or an expression outside an object.
@@ -79,10 +81,7 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
                 snippet: false,
             }));
         }
-        CompletionPlace::Modifier => {
-            let words = RESERVED.iter().filter(|(_, kind)| kind.is_modifier());
-            list.extend(words.map(|(word, _)| keyword(word)));
-        }
+        CompletionPlace::Modifier => list.extend(modifiers()),
         CompletionPlace::Value => expressions(analysis, offset, snippets, list),
         CompletionPlace::Statement {
             is_top,
@@ -102,8 +101,17 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
             });
             list.extend(words.map(|(word, _)| keyword(word)));
         }
+        CompletionPlace::BehindLess => {
+            list.extend(modifiers());
+            expressions(analysis, offset, snippets, list);
+        }
     }
     completions
+}
+
+fn modifiers() -> impl Iterator<Item = Completion> {
+    let words = RESERVED.iter().filter(|(_, kind)| kind.is_modifier());
+    words.map(|(word, _)| keyword(word))
 }
 
 fn attribute(row: &ObjectAttribute, snippets: bool) -> Completion {
@@ -154,6 +162,15 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             kind,
             detail: detail.to_owned(),
             insert: variable.name.to_string(),
+            snippet: false,
+        });
+    }
+    if !starts.contains_key(hover::FRAME_NAME) {
+        list.push(Completion {
+            label: hover::FRAME_NAME.to_owned(),
+            kind: CompletionKind::Constant,
+            detail: "the frame".to_owned(),
+            insert: hover::FRAME_NAME.to_owned(),
             snippet: false,
         });
     }
@@ -209,6 +226,7 @@ pub(super) fn describe(analysis: &CrtAnalysis, offset: u32, label: &str) -> Opti
     let variable = place.and_then(|place| analysis.names().variable_at(place.start + 1));
     match variable {
         Some((_, variable)) => Some(hover::describe_variable(analysis, variable)),
+        None if label == hover::FRAME_NAME => Some(hover::frame()),
         None => hover::function(label),
     }
 }
@@ -251,6 +269,9 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
     };
     if begins_modifier(analysis, &before, offset) {
         return CompletionPlace::Modifier;
+    }
+    if last.kind == TokenKind::Less {
+        return CompletionPlace::BehindLess;
     }
     // The open bracket at this point.
     let mut depth = 0;

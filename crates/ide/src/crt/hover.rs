@@ -10,6 +10,8 @@ use super::CrtAnalysis;
 use super::names::{Origin, VariableId};
 use crate::description::Description;
 
+/// The name of the frame.
+pub(super) const FRAME_NAME: &str = "t";
 const FRAME: &str = "The frame: 0 unless set by the slider `t` of the window, by `--set t=V` or by `--animate t=0:19`. The script is run again for each value.";
 
 /// Returns the description of the word at an offset.
@@ -24,7 +26,7 @@ pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Descri
             Some(place) => attribute(place.object?.attribute(&word)?),
             None => match names.variable_at(offset) {
                 Some((_, variable)) => describe_variable(analysis, variable),
-                None if word == "t" => describe("t", FRAME.to_owned()),
+                None if word == FRAME_NAME => frame(),
                 None => function(&word)?,
             },
         },
@@ -39,6 +41,11 @@ fn describe(code: &str, text: String) -> Description {
         code: code.to_owned(),
         text: vec![text],
     }
+}
+
+/// Returns the description of `t`.
+pub(super) fn frame() -> Description {
+    describe(FRAME_NAME, FRAME.to_owned())
 }
 
 /// Returns the description of an object with its attributes.
@@ -182,13 +189,6 @@ fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
     Some(text)
 }
 
-fn article(kind: &str) -> &'static str {
-    match kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
-        true => "an",
-        false => "a",
-    }
-}
-
 /// Returns the name to which an assignment makes its own point.
 fn pointed(assignment: &str) -> Option<&str> {
     let (_, source) = assignment.split_once('=')?;
@@ -196,6 +196,13 @@ fn pointed(assignment: &str) -> Option<&str> {
     let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_alphanumeric());
     is_name.then_some(name)
+}
+
+fn article(kind: &str) -> &'static str {
+    match kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
+        true => "an",
+        false => "a",
+    }
 }
 
 /// `union of 3 leaves, x from −1 to 1, …`.
