@@ -157,6 +157,23 @@ fn scripts() -> Vec<Limit> {
             "",
         ),
         limit(
+            "levels of blocks, brackets and operators within each other, the expressions in them included",
+            syntax::crt::parser::MAX_DEPTH,
+            "the stack",
+            "this is nested deeper than {MAX_DEPTH} levels",
+            "give a part a name",
+        ),
+        limit(
+            "expressions and statements within each other, over all calls",
+            grouped(crt::MAX_NESTING),
+            format!(
+                "the stack; in a browser at most {}",
+                grouped(crt::MAX_NESTING_IN_BROWSER)
+            ),
+            "expressions and statements within calls are nested too deeply here",
+            "",
+        ),
+        limit(
             "elements of a list, bytes of a string",
             grouped(crt::MAX_SIZE),
             "memory",

@@ -48,6 +48,15 @@ pub const MAX_STEPS: u64 = 64_000_000;
 pub(crate) const BYTES_OF_A_ROUND: usize = 256;
 /// The maximum depth of nested macro calls.
 pub const MAX_CALLS: u32 = 200;
+/// The maximum nesting depth of expressions and statements, over all calls.
+pub const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
+    MAX_NESTING_IN_BROWSER
+} else {
+    10_000
+};
+/// The maximum nesting depth in a browser. The whole stack there has one megabyte, which suffices for one and a half times this
+/// depth.
+pub const MAX_NESTING_IN_BROWSER: u32 = 1_000;
 /// The maximum number of characters of a string, of elements of a list, and of leaves of all entities.
 pub const MAX_SIZE: u64 = 1_000_000;
 
@@ -131,6 +140,13 @@ pub fn run_unless(
     Some(run)
 }
 
+/// Returns the diagnostics of reading a script and of running it, sorted by position.
+fn all_diagnostics(of_reading: &[Diagnostic], of_run: &[Diagnostic]) -> Arc<[Diagnostic]> {
+    let mut all = [of_reading, of_run].concat();
+    Diagnostic::sort(&mut all);
+    all.into()
+}
+
 /// Evaluates an expression at the end of a script.
 ///
 /// # Errors
@@ -140,13 +156,6 @@ pub fn evaluate(
     text: &str,
     t: f64,
     expression: &Expression,
-/// Returns the diagnostics of reading a script and of running it, sorted by position.
-fn all_diagnostics(of_reading: &[Diagnostic], of_run: &[Diagnostic]) -> Arc<[Diagnostic]> {
-    let mut all = [of_reading, of_run].concat();
-    Diagnostic::sort(&mut all);
-    all.into()
-}
-
 ) -> Result<Evaluated, Vec<Diagnostic>> {
     let lines = ScriptLines::new(text);
     on_stack(|| {

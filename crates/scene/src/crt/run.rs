@@ -23,18 +23,11 @@ use super::operate;
 use super::random::JavaRandom;
 use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
 use super::{
-    BYTES_OF_A_ROUND, Evaluated, MAX_SIZE, MAX_STEPS, MAX_WORK, ScriptLines, ScriptRun, build,
-    codes,
+    BYTES_OF_A_ROUND, Evaluated, MAX_NESTING, MAX_SIZE, MAX_STEPS, MAX_WORK, ScriptLines,
+    ScriptRun, build, codes,
 };
 use crate::limits::MAX_LEAVES;
 
-/// The maximum nesting depth of expressions and statements, over all calls. In a browser the whole stack has one megabyte,
-/// which suffices for one and a half times this depth.
-const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
-    1_000
-} else {
-    10_000
-};
 /// The maximum depth of nested lists.
 const MAX_LIST_DEPTH: u32 = 256;
 /// The maximum number of variables in a chain of pointers.
@@ -43,8 +36,6 @@ const MAX_POINTERS: usize = 1_000;
 const MAX_DIAGNOSTICS: usize = 1000;
 
 /// An error has been reported, and the statement is abandoned.
-    /// The value of `t` for which the script is run, unless the script assigns `t`.
-    Frame,
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stopped;
 
@@ -52,6 +43,8 @@ pub(super) struct Stopped;
 #[derive(Clone, Debug)]
 enum Binding {
     Value(ScriptValue),
+    /// The value of `t` for which the script is run, unless the script assigns `t`.
+    Frame,
     /// A pointer to the value of another variable, as it will be, with the span of that variable's name.
     Pointer(Arc<str>, Span),
     /// An error has been reported.
@@ -91,10 +84,6 @@ pub(super) struct Interpreter<'s> {
     pub(super) base: u32,
     pub(super) random: JavaRandom,
     pub(super) call_depth: u32,
-    /// The value of `t` for which the script is run.
-    t: f64,
-    /// True once it has been read: later errors may be absent for another value.
-    has_read_t: bool,
     scopes: Vec<ScopeNames>,
     scope: usize,
     work: u32,
@@ -102,6 +91,10 @@ pub(super) struct Interpreter<'s> {
     nesting: u32,
     /// True once the work limit has been reached.
     is_over: bool,
+    /// The value of `t` for which the script is run.
+    t: f64,
+    /// True once it has been read: later errors may be absent for another value.
+    has_read_t: bool,
     next_id: u64,
     diagnostics: Vec<Diagnostic>,
     /// The entities emitted by the block and the macros in progress, the innermost last.
@@ -124,8 +117,6 @@ impl<'s> Interpreter<'s> {
             lines,
             base: 0,
             random: JavaRandom::new(1337),
-            t,
-            has_read_t: false,
             call_depth: 0,
             scopes: vec![names],
             scope: 0,
@@ -133,6 +124,8 @@ impl<'s> Interpreter<'s> {
             steps: 0,
             nesting: 0,
             is_over: false,
+            t,
+            has_read_t: false,
             next_id: 0,
             diagnostics: Vec::new(),
             emitted: Vec::new(),
@@ -171,15 +164,15 @@ impl<'s> Interpreter<'s> {
                 BlockKind::Settings(..) | BlockKind::Scene(_) => {}
             }
         }
-        if !self.is_over {
-            self.report_dangling();
-        }
     }
 
     /// Returns the scene, the diagnostics and the assignments of a run; `None` if it was cancelled.
     pub(super) fn finish(mut self) -> Option<ScriptRun> {
         if self.given_up.load(Ordering::Relaxed) {
             return None;
+        }
+        if !self.is_over {
+            self.report_dangling();
         }
         let assigned = std::mem::take(&mut self.assigned).into_iter();
         let assigned = assigned.map(|(span, it)| Assignment {
@@ -208,7 +201,6 @@ impl<'s> Interpreter<'s> {
     pub(super) fn left(self) -> (ScriptSettings, Vec<Arc<Entity>>) {
         (self.settings, self.drawn)
     }
-        self.has_read_t = false;
 
     /// Returns the value of an expression after the script; its spans are relative to its own start.
     pub(super) fn value_at_end(
@@ -216,6 +208,7 @@ impl<'s> Interpreter<'s> {
         expression: &Expression,
     ) -> Result<Evaluated, Vec<Diagnostic>> {
         self.diagnostics.clear();
+        self.has_read_t = false;
         (self.base, self.is_over, self.work, self.steps) = (0, false, 0, 0);
         match self.value(expression) {
             Ok(value) => Ok(Evaluated {
@@ -235,10 +228,6 @@ impl<'s> Interpreter<'s> {
 
     /// Reports a diagnostic whose spans are relative to the base, once for each span.
     pub(super) fn report(&mut self, diagnostic: Diagnostic) {
-            if self.has_read_t && diagnostic.severity == Severity::Error {
-                let t = number::text(self.t);
-                diagnostic.message = format!("{} (at t = {t})", diagnostic.message);
-            }
         self.report_placed(diagnostic.moved(self.base));
     }
 
@@ -246,6 +235,10 @@ impl<'s> Interpreter<'s> {
     fn report_placed(&mut self, mut diagnostic: Diagnostic) {
         let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
         if self.diagnostics.len() < MAX_DIAGNOSTICS && !self.diagnostics.iter().any(is_same) {
+            if self.has_read_t && diagnostic.severity == Severity::Error {
+                let t = number::text(self.t);
+                diagnostic.message = format!("{} (at t = {t})", diagnostic.message);
+            }
             self.diagnostics.push(diagnostic);
         }
     }
@@ -567,16 +560,16 @@ impl<'s> Interpreter<'s> {
     fn resolved(&mut self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
         let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
         // Cycles are refused, but a name bound later in an inner scope might still close one.
-                Binding::Frame => {
-                    self.has_read_t = true;
-                    return Ok(Binding::Value(ScriptValue::Float(self.t)));
-                }
         for _ in 0..=MAX_POINTERS {
             match binding {
                 Binding::Pointer(other, place) => {
                     self.steps += 1;
                     let found = self.find(&other, scope);
                     (scope, binding) = found.ok_or(Some((other, place)))?;
+                }
+                Binding::Frame => {
+                    self.has_read_t = true;
+                    return Ok(Binding::Value(ScriptValue::Float(self.t)));
                 }
                 found => return Ok(found),
             }
@@ -585,6 +578,13 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Returns the names that are visible at the present point of the run, in no particular order.
+    fn visible_names(&self) -> Vec<&str> {
+        let parent = |scope: &usize| self.scopes[*scope].parent;
+        let scopes = std::iter::successors(Some(self.scope), parent);
+        let names = scopes.flat_map(|scope| self.scopes[scope].names.keys());
+        names.map(|name| &**name).collect()
+    }
+
     /// Reports the pointers of the present scope to names that have never been assigned: at its end, no assignment can
     /// follow.
     fn report_dangling(&mut self) {
@@ -619,13 +619,6 @@ impl<'s> Interpreter<'s> {
             Some(near) => diagnostic.with_hint(format!("did you mean `{near}`?")),
             None => diagnostic,
         }
-    }
-
-    fn visible_names(&self) -> Vec<&str> {
-        let parent = |scope: &usize| self.scopes[*scope].parent;
-        let scopes = std::iter::successors(Some(self.scope), parent);
-        let names = scopes.flat_map(|scope| self.scopes[scope].names.keys());
-        names.map(|name| &**name).collect()
     }
 
     fn variable(&mut self, name: &Arc<str>, span: Span) -> Result<ScriptValue, Stopped> {
@@ -861,9 +854,6 @@ impl<'s> Interpreter<'s> {
             names: names.collect(),
             pointed: HashMap::new(),
         });
-        if done.is_ok() {
-            self.report_dangling();
-        }
         let inner = self.scopes.len() - 1;
         let (scope, base) = (self.scope, self.base);
         (self.scope, self.base) = (inner, called.base);
@@ -871,6 +861,9 @@ impl<'s> Interpreter<'s> {
         self.nesting += 1;
         let done = self.body(&called.definition.body, true);
         self.nesting -= 1;
+        if done.is_ok() {
+            self.report_dangling();
+        }
         let emitted = self.emitted.pop().unwrap_or_default().entities;
         (self.scope, self.base) = (scope, base);
         self.scopes.truncate(inner);
