@@ -18,7 +18,7 @@ import iconAddress from "./icon.svg?url";
 import { LinkError, unpacked } from "./link.ts";
 import { letter } from "./pane.ts";
 import { Problems } from "./problems.ts";
-import type { Pick, Scene, Settings } from "./protocol.ts";
+import type { Pick, Scene, Settings, TextEdit } from "./protocol.ts";
 import { SettingsPane } from "./settings.ts";
 import { copyLink } from "./sharing.ts";
 import { columns } from "./splitters.ts";
@@ -83,7 +83,8 @@ export class Page {
         });
         this.settings = new SettingsPane(this.core, {
             declaration: (name) => void this.goTo(name),
-            write: (param) => void this.write(param),
+            write: (param) => void this.write(() => this.core.call("writeParam", { param })),
+            writeColour: (object, rgb) => void this.write(() => this.core.call("writeColour", { object, rgb })),
             chooseImage: (object) => chooseFile(IMAGES, (file) => void this.layImage(file, object)),
             changed: () => this.settingsChanged(),
             writeCamera: () => void this.writeCamera(),
@@ -258,12 +259,9 @@ export class Page {
         });
     }
 
-    private async write(param: string): Promise<void> {
+    private async write(call: () => Promise<TextEdit>): Promise<void> {
         const { version } = this.editor;
-        await attempt(async () => {
-            const edit = await this.core.call("writeParam", { param });
-            this.editor.apply([edit], version, "the change");
-        });
+        await attempt(async () => this.editor.apply([await call()], version, "the change"));
     }
 
     private async writeCamera(): Promise<void> {

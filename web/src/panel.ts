@@ -109,6 +109,7 @@ class Panel {
                     }
                 }),
             write: (param) => void this.apply(() => this.core.call("writeParam", { param })),
+            writeColour: (object, rgb) => void this.apply(() => this.core.call("writeColour", { object, rgb })),
             writeCamera: () => {
                 const name = this.core.settings.preferences?.camera ?? this.scene?.cameras[0] ?? "eye";
                 void this.apply(() => this.core.call("writeCamera", { name }));

@@ -146,32 +146,6 @@ export interface Fix {
   preferred: boolean;
 }
 
-export interface OutlineEntry extends TextRange {
-  name: string;
-  kind: 'variable' | 'constant' | 'function' | 'object';
-  keyword: string;
-  /** The parameters as they are written: `(u, v)`. */
-  detail: string;
-  nameRange: TextRange;
-}
-
-export interface Fold extends TextRange {
-  comment: boolean;
-}
-
-/** A text that an editor shows between the letters, but does not write. */
-export interface Hint {
-  at: number;
-  label: string;
-  tooltip: string;
-  /** True if it keeps a distance from the text before it. */
-  apart: boolean;
-}
-
-export interface StatedColour extends TextRange {
-  rgb: Rgb;
-}
-
 // --------------------------------------------------------------------------------------------------------- the scene
 
 export type Rgb = [number, number, number];
@@ -238,8 +212,8 @@ export interface ObjectInfo {
   colour: Rgb;
   /** True if the colour was chosen here. */
   isColourChosen: boolean;
-  /** True if the text states the colour, which then cannot be chosen. */
-  isColourStated: boolean;
+  /** How the text states the colour, which then cannot be chosen; numbers can be written (`Calls["writeColour"]`). */
+  statedColour: 'constant' | 'expression' | null;
   hidden: boolean;
   /** True if it can have a texture: `Look.texture`, `Look.flipped`. */
   hasTexture: boolean;
@@ -428,14 +402,6 @@ export interface SavedFile {
 
 export type MeshFormat = 'obj' | 'ply' | 'stl' | 'gltf' | 'glb';
 
-export interface Example {
-  /** `torus.gtr`. */
-  file: string;
-  /** The first sentence of the comment that it begins with. */
-  about: string;
-  text: string;
-}
-
 /** A figure whose measures are asked for: places on a surface or metric. */
 export interface Figure {
   surface: string;
@@ -476,19 +442,9 @@ export interface Calls {
   rename: { params: { at: number; name: string }; result: TextEdit[] };
   /** The edits that lay out the text, or the declarations that touch a range. */
   format: { params: { range: TextRange | null }; result: TextEdit[] };
-  /** The edits that lay out the declaration that ends before a place; none if none ends there. */
-  formatOnType: { params: { at: number }; result: TextEdit[] };
   fixes: { params: TextRange; result: Fix[] };
   /** All fixes that may be applied without asking, and their number. */
   fixAll: { params: Record<string, never>; result: { edits: TextEdit[]; count: number } };
-  outline: { params: Record<string, never>; result: OutlineEntry[] };
-  folds: { params: Record<string, never>; result: Fold[] };
-  /** The ranges around a place, from the smallest to the whole text. */
-  selection: { params: { at: number }; result: TextRange[] };
-  hints: { params: TextRange; result: Hint[] };
-  colours: { params: Record<string, never>; result: StatedColour[] };
-  /** The texts that state a colour in place of the one in a range, the plainest first. */
-  colourTexts: { params: TextRange & { rgb: Rgb }; result: string[] };
   /** Where an object is declared. */
   declaration: { params: { name: string }; result: TextRange | null };
   /** The edit after which a param starts with its present value. */
@@ -532,7 +488,6 @@ export interface Calls {
   savePicture: { params: { view: string; width: number; height: number }; result: SavedFile };
   /** The objects that are not hidden as a file of a format. */
   saveMesh: { params: { format: MeshFormat }; result: SavedFile };
-  examples: { params: Record<string, never>; result: Example[] };
 }
 
 /** What is told, and not answered. */

@@ -12,6 +12,8 @@ export interface SettingsEvents {
     declaration(name: string): void;
     /** A param's value is to be written into the text. */
     write(param: string): void;
+    /** The colour that the text states for an object is to be another one. */
+    writeColour(object: string, rgb: Rgb): void;
     /** An image is to be chosen for an object. */
     chooseImage(object: string): void;
     /** Settings have changed that decide which views there are, or how they look. */
@@ -37,6 +39,13 @@ const MARKS: [keyof Marks & string, string, string][] = [
     ["trail", "Trail of the walk", "the path of the camera"],
     ["error", "Estimated error", "of the picture"],
 ];
+
+/** The titles of a swatch. */
+const COLOURS = {
+    chosen: "Choose a colour",
+    constant: "Writes the colour into the program",
+    expression: "The program states its colour as an expression",
+};
 
 export class SettingsPane {
     readonly element: HTMLElement;
@@ -129,15 +138,21 @@ export class SettingsPane {
             type: "color",
             class: "swatch",
             value: hex(object.colour),
-            disabled: object.isColourStated,
-            title: object.isColourStated ? "The program states its colour" : `Colour of ${name}`,
+            disabled: object.statedColour === "expression",
+            title: COLOURS[object.statedColour ?? "chosen"],
             "aria-label": `Colour of ${name}`,
         });
         swatch.addEventListener("input", () => {
+            if (object.statedColour !== null) {
+                return;
+            }
             this.core.change({ looks: { [name]: { colour: rgb(swatch.value) } } }, `colour ${name}`);
         });
         swatch.addEventListener("change", () => {
             swatch.blur();
+            if (object.statedColour !== null) {
+                this.events.writeColour(name, rgb(swatch.value));
+            }
             this.refresh();
         });
         const label = make(

@@ -52,6 +52,7 @@ pub mod reader;
 pub mod refinement;
 pub mod request;
 pub mod snapping;
+pub mod stated_colour;
 pub mod textures;
 pub mod typing;
 

@@ -30,7 +30,6 @@ use session::textures::{ImageState, Library};
 use session::{Choices, Model};
 
 use crate::editing::Editing;
-use crate::examples;
 use crate::images::GivenImages;
 use crate::message::{Call, CoreEvent, Notice, SceneInfo};
 use motion::Motions;
@@ -133,17 +132,8 @@ impl Core {
             Call::PrepareRename { at } => editing.prepare_rename(at)?,
             Call::Rename { at, name } => editing.rename(at, &name)?,
             Call::Format { range } => editing.format(range),
-            Call::FormatOnType { at } => editing.format_on_type(at),
             Call::Fixes(range) => editing.fixes(range),
             Call::FixAll {} => editing.fix_all(),
-            Call::Outline {} => editing.outline(),
-            Call::Folds {} => editing.folds(),
-            Call::Selection { at } => editing.selection(at),
-            Call::Hints(range) => editing.hints(range),
-            Call::Colours {} => editing.colours(),
-            Call::ColourTexts { from, to, rgb } => {
-                editing.colour_texts(crate::Utf16Range { from, to }, rgb)
-            }
             Call::Declaration { name } => {
                 self.read();
                 json!(self.declaration(&name))
@@ -163,7 +153,6 @@ impl Core {
             Call::Measure { figure } => self.measure(figure)?,
             Call::MeasureWalk {} => self.measure_walk(),
             Call::WalkBack {} => self.walk_back()?,
-            Call::Examples {} => examples::list(),
         })
     }
 

@@ -13,7 +13,6 @@ use ide::completion::{Completion, CompletionKind};
 use ide::description::Description;
 use ide::edit::Edit;
 use ide::language::Analysis;
-use ide::outline::OutlineKind;
 use ide::{Language, Languages, Program};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -236,12 +235,6 @@ impl Editing {
         self.edits(&self.analysis().format(span))
     }
 
-    /// Returns the edits that format the declaration that ends before an offset.
-    pub fn format_on_type(&self, at: u32) -> Value {
-        let edits = self.analysis().format_on_type(self.byte(at));
-        self.edits(&edits.unwrap_or_default())
-    }
-
     /// Returns the fixes of the findings in a range.
     pub fn fixes(&self, range: Utf16Range) -> Value {
         let fixes = self.analysis().fixes(self.source.span(range)).into_iter();
@@ -260,81 +253,6 @@ impl Editing {
     pub fn fix_all(&self) -> Value {
         let (edits, count) = self.analysis().fix_all();
         json!({ "edits": self.edits(&edits), "count": count })
-    }
-
-    /// Returns the declarations.
-    pub fn outline(&self) -> Value {
-        let entries = self.analysis().outline().into_iter();
-        let entries = entries.map(|entry| {
-            let Utf16Range { from, to } = self.source.range(entry.span);
-            let kind = match entry.kind {
-                OutlineKind::Variable => Kind::Variable,
-                OutlineKind::Constant => Kind::Constant,
-                OutlineKind::Function => Kind::Function,
-                OutlineKind::Object => Kind::Object,
-            };
-            json!({
-                "from": from,
-                "to": to,
-                "name": entry.name,
-                "kind": kind,
-                "keyword": entry.keyword,
-                "detail": entry.detail,
-                "nameRange": self.source.range(entry.name_span),
-            })
-        });
-        entries.collect()
-    }
-
-    /// Returns the ranges that can be folded.
-    pub fn folds(&self) -> Value {
-        let folds = self.analysis().folds().into_iter();
-        let folds = folds.map(|fold| {
-            let Utf16Range { from, to } = self.source.range(fold.span);
-            json!({ "from": from, "to": to, "comment": fold.comment })
-        });
-        folds.collect()
-    }
-
-    /// Returns the ranges around an offset.
-    pub fn selection(&self, at: u32) -> Value {
-        let spans = self.analysis().selection(self.byte(at)).into_iter();
-        json!(
-            spans
-                .map(|span| self.source.range(span))
-                .collect::<Vec<_>>()
-        )
-    }
-
-    /// Returns the hints in a range.
-    pub fn hints(&self, range: Utf16Range) -> Value {
-        let hints = self.analysis().hints(self.source.span(range)).into_iter();
-        let hints = hints.map(|hint| {
-            json!({
-                "at": self.source.utf16(hint.offset),
-                "label": hint.label,
-                "tooltip": hint.tooltip,
-                "apart": hint.apart,
-            })
-        });
-        hints.collect()
-    }
-
-    /// Returns the colours that the text states.
-    pub fn colours(&self) -> Value {
-        let colours = self.analysis().colours().into_iter();
-        let colours = colours.map(|colour| {
-            let Utf16Range { from, to } = self.source.range(colour.span);
-            let rgb = colour.rgb.map(|part| (part * 255.0).round());
-            json!({ "from": from, "to": to, "rgb": rgb })
-        });
-        colours.collect()
-    }
-
-    /// Returns the texts that state another colour in place of the one in a range.
-    pub(crate) fn colour_texts(&self, range: Utf16Range, rgb: [u8; 3]) -> Value {
-        let rgb = rgb.map(|part| f64::from(part) / 255.0);
-        json!(self.analysis().colour_texts(self.source.span(range), rgb))
     }
 
     /// Returns the edit that gives a param initial values.
@@ -395,14 +313,12 @@ impl Editing {
     }
 }
 
-/// The kind of a declaration or of a completion, as named by the page's icons.
+/// The kind of a completion, as named by the page's icons.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Kind {
-    Variable,
     Constant,
     Function,
-    Object,
     Keyword,
     Surface,
     Curve,

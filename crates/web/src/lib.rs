@@ -15,7 +15,6 @@
 mod bindings;
 mod core;
 mod editing;
-mod examples;
 mod images;
 mod message;
 mod source;
@@ -24,7 +23,6 @@ mod threads;
 
 pub use core::{Core, DrawnPicture, Saved, StepOutcome};
 pub use editing::Editing;
-pub use examples::{EXAMPLES, Example};
 pub use message::{
     AskedFigure, Call, CameraMove, ComponentInfo, CoreEvent, Grip, ImageInfo, KeyInfo, Notice,
     ObjectInfo, PageFinding, Pane, ParamInfo, Pick, PictureInfo, QuantityRow, Related, SceneInfo,

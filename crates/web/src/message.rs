@@ -65,23 +65,8 @@ pub enum Call {
     Format {
         range: Option<Utf16Range>,
     },
-    FormatOnType {
-        at: u32,
-    },
     Fixes(Utf16Range),
     FixAll {},
-    Outline {},
-    Folds {},
-    Selection {
-        at: u32,
-    },
-    Hints(Utf16Range),
-    Colours {},
-    ColourTexts {
-        from: u32,
-        to: u32,
-        rgb: [u8; 3],
-    },
     Declaration {
         name: String,
     },
@@ -117,7 +102,6 @@ pub enum Call {
     },
     MeasureWalk {},
     WalkBack {},
-    Examples {},
 }
 
 /// A notice of the page, which is not answered.
@@ -390,7 +374,7 @@ pub struct ObjectInfo {
     pub kind: &'static str,
     pub colour: [u8; 3],
     pub is_colour_chosen: bool,
-    pub is_colour_stated: bool,
+    pub stated_colour: Option<&'static str>,
     pub hidden: bool,
     pub has_texture: bool,
     pub stale: bool,
@@ -452,4 +436,38 @@ pub struct PictureInfo {
     pub place: Option<String>,
     /// In milliseconds.
     pub took: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    #[test]
+    fn the_page_makes_every_call() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src");
+        let read = |path: &Path| std::fs::read_to_string(path).expect("a file of the page");
+        let protocol = read(&folder.join("protocol.ts"));
+        let (_, calls) = protocol
+            .split_once("export interface Calls {")
+            .expect("the calls");
+        let (calls, _) = calls.split_once("\n}").expect("their end");
+        let calls = calls.lines().filter_map(|line| {
+            let name = line.strip_prefix("  ")?.split_once(": {")?.0;
+            name.chars().all(char::is_alphabetic).then_some(name)
+        });
+        let calls: Vec<&str> = calls.collect();
+        assert!(calls.len() > 20, "{calls:?}");
+        let folders = [folder.clone(), folder.join("editor")];
+        let files = folders.iter().flat_map(|folder| {
+            let entries = std::fs::read_dir(folder).expect("the page");
+            entries.map(|entry| entry.expect("a file").path())
+        });
+        let files = files.filter(|path| {
+            path.extension().is_some_and(|it| it == "ts") && !path.ends_with("protocol.ts")
+        });
+        let page: String = files.map(|path| read(&path)).collect();
+        for call in calls {
+            assert!(page.contains(&format!("\"{call}\"")), "{call}");
+        }
+    }
 }

@@ -30,7 +30,6 @@ for (const [name, text] of Object.entries(programs)) {
         session.open(name, text);
         session.tokens(0, text.length);
         session.call("format", { range: null });
-        session.call("outline");
         session.call("hover", { at: Math.floor(text.length / 2) });
         session.call("complete", { at: Math.floor(text.length / 2) });
         assert.ok(session.scene !== null);

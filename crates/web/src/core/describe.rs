@@ -7,6 +7,7 @@ use render::view::View;
 use scene::{Object, Scene};
 use session::TextureChoice;
 use session::camera_input::CameraKind;
+use session::stated_colour::StatedColour;
 use session::textures::ImageSource;
 use syntax::span::Span;
 
@@ -118,12 +119,17 @@ impl Core {
         let places: BTreeMap<&str, Span> = places.collect();
         let info = |(object, usual): (&Object, &[u8; 3])| {
             let look = model.choices.look(&object.name);
+            let stated = StatedColour::of(scene, object);
+            let written = stated.and_then(StatedColour::rgb);
             ObjectInfo {
                 name: object.name.clone(),
                 kind: object.shape.kind(),
-                colour: look.colour.unwrap_or(*usual),
+                colour: written.or(look.colour).unwrap_or(*usual),
                 is_colour_chosen: look.colour.is_some(),
-                is_colour_stated: object.attributes.iter().any(|it| it.word == "color"),
+                stated_colour: stated.map(|stated| match stated {
+                    StatedColour::Constant(_) => "constant",
+                    StatedColour::Expression => "expression",
+                }),
                 hidden: look.hidden,
                 has_texture: object.shape.manifold().is_some(),
                 stale: model.faults.stale().contains(&object.name),

@@ -461,6 +461,32 @@ fn the_findings_of_a_script_are_those_of_its_params() {
 }
 
 #[test]
+fn a_stated_colour_is_written_into_the_text() {
+    let mut page = Page::open(
+        "point a = (0, 0, 0), color : (1, 0, 0);
+         param t : [0, 1];
+         point b = (t, 0, 0), color : t;
+         point c = (0, 1, 0);",
+    );
+    page.work();
+    let Some(CoreEvent::Scene(scene)) = page
+        .events
+        .iter()
+        .find(|event| matches!(event, CoreEvent::Scene(_)))
+    else {
+        panic!("{:?}", page.events);
+    };
+    let stated: Vec<Option<&str>> = scene.objects.iter().map(|it| it.stated_colour).collect();
+    assert_eq!(stated, [Some("constant"), Some("expression"), None]);
+    assert_eq!(scene.objects[0].colour, [255, 0, 0]);
+    let asked = json!({ "object": "a", "rgb": [0, 0, 255] });
+    let edit = page.call("writeColour", asked).expect("an edit");
+    assert_eq!(edit["insert"], "(0, 0, 1)", "{edit}");
+    let asked = json!({ "object": "b", "rgb": [0, 0, 255] });
+    assert!(page.call("writeColour", asked).is_err());
+}
+
+#[test]
 fn a_param_and_a_camera_are_written_into_the_text() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);

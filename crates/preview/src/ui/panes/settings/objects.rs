@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, Grid, Ui};
-use scene::{AttributeValue, Object, Scene};
+use scene::Object;
+use session::stated_colour::StatedColour;
 use session::{Step, TextureChoice};
 
 use crate::ui::colour;
@@ -75,7 +76,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
             });
     }
     let stated = window.model.scene.as_ref();
-    match stated.and_then(|scene| stated_colour(scene, object)) {
+    match stated.and_then(|scene| StatedColour::of(scene, object)) {
         Some(stated) => written_colour(window, ui, name, stated),
         None => chosen_colour(window, ui, name, look.colour),
     }
@@ -137,32 +138,10 @@ fn chosen_colour(window: &mut Window, ui: &mut Ui, name: &str, chosen: Option<[u
     }
 }
 
-/// The colour that an object states.
-#[derive(Clone, Copy)]
-enum StatedColour {
-    /// Numbers: sRGB, 0…1.
-    Constant([f64; 3]),
-    /// An expression that depends on position or on a param.
-    Expression,
-}
-
-fn stated_colour(scene: &Scene, object: &Object) -> Option<StatedColour> {
-    let stated = object.attributes.iter().find(|it| it.word == "color")?;
-    let AttributeValue::Numbers(nodes) = &stated.value else {
-        return None;
-    };
-    let values: Option<Vec<f64>> = nodes.iter().map(|node| scene.graph.value(*node)).collect();
-    Some(match values.as_deref() {
-        Some([grey]) => StatedColour::Constant([*grey; 3]),
-        Some(&[red, green, blue]) => StatedColour::Constant([red, green, blue]),
-        _ => StatedColour::Expression,
-    })
-}
-
 /// Shows the colour that an object states. A new colour is written into the text when the pointer is released.
 fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedColour) {
     let label = format!("Colour of {name}");
-    let StatedColour::Constant(stated) = stated else {
+    let Some(stated) = stated.rgb() else {
         ui.add_enabled_ui(false, |ui| {
             let mut grey = [128; 3];
             colour::button(ui, &mut grey)
@@ -171,7 +150,6 @@ fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedCo
         });
         return;
     };
-    let stated = stated.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
     let id = ui.scope_id().with(("stated colour", name));
     let picked: Option<[u8; 3]> = ui.data(|data| data.get_temp(id));
     let mut colour = picked.unwrap_or(stated);
