@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use render::figure::Figure;
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
-use render::request::part::ViewPart;
 use render::request::{Overlays, Spacing};
 use render::shared::Shared;
 use render::style::Theme;
@@ -97,12 +96,12 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
     settings(&mut options, request, views);
     params(&mut options, request);
     space(&mut options, request);
-    if let Some(camera) = view.shown_camera().filter(|_| traced.is_none()) {
+    if let Some(camera) = view.shown_camera().filter(|_| view.draws_lines()) {
         geodesic_camera(&mut options, request, camera);
     }
     objects(&mut options, request);
-    over(&mut options, view, overlays);
-    if traced.is_none() {
+    over(&mut options, view.drawn(*overlays));
+    if view.draws_lines() {
         self::trails(&mut options, request, trails);
     }
     if *scale != 1.0 {
@@ -325,8 +324,8 @@ fn texture(request: &PictureRequest, id: ObjectId) -> Option<String> {
     }
 }
 
-/// Adds what is drawn over the picture of a view.
-fn over(options: &mut Vec<PictureOption>, view: &ViewPart, overlays: &Overlays) {
+/// Adds what is drawn over the picture.
+fn over(options: &mut Vec<PictureOption>, overlays: Overlays) {
     let Overlays {
         legend,
         wavefronts,
@@ -336,20 +335,13 @@ fn over(options: &mut Vec<PictureOption>, view: &ViewPart, overlays: &Overlays) 
         labels,
         axes,
         hidden_lines,
-    } = *overlays;
+    } = overlays;
     options.flag("labels", labels);
-    if view.get::<TracedOptions>().is_some() {
-        return;
-    }
     options.flag("legend", legend);
-    let is_inside = view.geodesic_camera().is_some();
-    options.flag("axes", axes && !is_inside);
-    options.flag("hidden-lines", hidden_lines && !is_inside);
-    options.flag("cut-locus", cut_locus && is_inside);
-    options.flag("error", error && is_inside);
-    if view.shown_camera().is_none() {
-        return;
-    }
+    options.flag("axes", axes);
+    options.flag("hidden-lines", hidden_lines);
+    options.flag("cut-locus", cut_locus);
+    options.flag("error", error);
     options.flag("conjugate", conjugate_points);
     match wavefronts {
         None => {}

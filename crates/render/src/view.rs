@@ -1,5 +1,5 @@
 //! Views: the ways to see a scene. A view is a module that implements [`View`] and is registered in [`Views`]; the command
-//! line, the window and the protocol offer all registered views, and no other code names a view.
+//! line, the window and the protocol offer all registered views.
 //!
 //! ```text
 //! Views ──name──▶ View ──options──▶ ViewPart of a PictureRequest

@@ -187,15 +187,7 @@ pub fn at_rest(mut request: PictureRequest, model: &Model, size: [u32; 2]) -> Pi
         space.highlight = None;
     }
     let shown = request.view.shown_camera().copied();
-    let has_rays = request.view.geodesic_camera().is_some();
-    let overlays = &mut request.overlays;
-    overlays.axes &= !has_rays;
-    overlays.cut_locus &= has_rays;
-    overlays.error &= has_rays;
-    if shown.is_none() {
-        overlays.wavefronts = None;
-        overlays.conjugate_points = false;
-    }
+    request.overlays = request.view.drawn(request.overlays);
     let placed = |camera: GeodesicCamera| {
         let (scene, params) = (&request.scene, &request.params);
         if let Pose::SpaceFrame(_) = camera.pose {

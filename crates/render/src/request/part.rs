@@ -8,7 +8,7 @@ use std::fmt;
 
 use scene::{ObjectId, Scene};
 
-use super::PictureRequest;
+use super::{Overlays, PictureRequest};
 use crate::error::RenderError;
 use crate::geodesic_view::PictureMethod;
 use crate::point::WorldPoint;
@@ -57,6 +57,11 @@ pub trait ViewOptions: Comparable {
 
     /// Sets the number of samples of a pixel, for a view with progressive sampling.
     fn set_samples(&mut self, _samples: u32) {}
+
+    /// Returns true if the view draws lines: overlays, trails and the geodesic camera that it displays.
+    fn draws_lines(&self) -> bool {
+        true
+    }
 
     /// Turns one of the view's [settings](crate::view::Setting) on or off; returns whether the view has it.
     fn set(&mut self, _setting: &str, _on: bool) -> bool {
@@ -215,6 +220,39 @@ impl ViewPart {
     /// Sets the number of samples of a pixel, for a view with progressive sampling.
     pub fn set_samples(&mut self, samples: u32) {
         self.0.set_samples(samples);
+    }
+
+    /// Returns true if the view draws lines: overlays, trails and the geodesic camera that it displays.
+    pub fn draws_lines(&self) -> bool {
+        self.0.draws_lines()
+    }
+
+    /// Returns those of some overlays that the view draws.
+    pub fn drawn(&self, overlays: Overlays) -> Overlays {
+        let Overlays {
+            legend,
+            wavefronts,
+            conjugate_points,
+            cut_locus,
+            error,
+            labels,
+            axes,
+            hidden_lines,
+        } = overlays;
+        let draws_lines = self.draws_lines();
+        let is_inside = self.geodesic_camera().is_some();
+        let is_in_space = draws_lines && !is_inside;
+        let has_camera = draws_lines && self.shown_camera().is_some();
+        Overlays {
+            legend: legend && draws_lines,
+            wavefronts: wavefronts.filter(|_| has_camera),
+            conjugate_points: conjugate_points && has_camera,
+            cut_locus: cut_locus && is_inside,
+            error: error && is_inside,
+            labels,
+            axes: axes && is_in_space,
+            hidden_lines: hidden_lines && is_in_space,
+        }
     }
 
     /// Sets the geodesic camera that draws the picture, or that it displays in space.

@@ -151,6 +151,10 @@ impl ViewOptions for TracedOptions {
         self.samples = Some(samples);
     }
 
+    fn draws_lines(&self) -> bool {
+        false
+    }
+
     fn check(&self, scene: &Scene) -> Result<(), RenderError> {
         self.space.camera.check()?;
         if let Some(name) = &self.space.declared

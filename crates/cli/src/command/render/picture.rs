@@ -436,11 +436,10 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         ("--show-camera", arguments.space.show_camera.is_some()),
         ("--orthographic", arguments.space.orthographic),
     ];
-    let is_traced = view.get::<TracedOptions>().is_some();
-    let beside = if is_traced {
-        (&drawn[..], "the 3D view: leave out `--view traced`")
-    } else {
+    let beside = if view.draws_lines() {
         (&traced[..], "the traced view: add `--view traced`")
+    } else {
+        (&drawn[..], "the 3D view: leave out `--view traced`")
     };
     let geodesic = "the geodesic view: add `--view geodesic`";
     let shown =

@@ -416,3 +416,45 @@ fn the_words_of_a_command_are_kept() {
     assert!(like_window);
     assert_eq!(kept, words);
 }
+
+#[test]
+fn an_overlay_is_idle_where_the_view_does_not_draw_it() {
+    let bench = Bench::new();
+    let file = bench.folder.path().join(NAME);
+    let overlays =
+        "--legend --labels --axes --hidden-lines --cut-locus --error --conjugate --wavefronts=0.5";
+    for view in [
+        "--view=3d",
+        "--view=3d --show-camera=s",
+        "--view=geodesic:s",
+        "--view=traced",
+    ] {
+        let words = ["geotrace", "render", "-o", "out.png"].into_iter();
+        let words = words.chain(view.split(' ')).chain(overlays.split(' '));
+        let words: Vec<String> = words.map(str::to_owned).collect();
+        let words = [words, vec![file.display().to_string()]].concat();
+        let request = bench.read(&words);
+        let parsed = CommandArguments::parse_with(&bench.context.registry, &words);
+        let Some(crate::command::Command::Render(arguments)) = parsed.expect("options").command
+        else {
+            panic!("another command");
+        };
+        let notes = picture::idle_options(&arguments, &request.view);
+        let drawn = request.view.drawn(request.overlays);
+        for (option, is_drawn) in [
+            ("--legend", drawn.legend),
+            ("--labels", drawn.labels),
+            ("--axes", drawn.axes),
+            ("--hidden-lines", drawn.hidden_lines),
+            ("--cut-locus", drawn.cut_locus),
+            ("--error", drawn.error),
+            ("--conjugate", drawn.conjugate_points),
+            ("--wavefronts", drawn.wavefronts.is_some()),
+        ] {
+            let is_idle = notes
+                .iter()
+                .any(|note| note.split(' ').next() == Some(option));
+            assert_eq!(is_idle, !is_drawn, "{view} {option}: {notes:?}");
+        }
+    }
+}
