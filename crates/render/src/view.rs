@@ -264,7 +264,7 @@ impl fmt::Display for ViewId {
     }
 }
 
-/// The available views; the first one is the default.
+/// The available views; the first one is the [default](Views::default_of) of most scenes.
 #[derive(Clone, Debug)]
 pub struct Views(Vec<Arc<dyn View>>);
 
@@ -289,6 +289,14 @@ impl Views {
     /// Returns the default view.
     pub fn first(&self) -> &dyn View {
         &*self.0[0]
+    }
+
+    /// Returns the view that shows the whole of a scene by default: the first one, or the view that replaces it if the scene
+    /// describes a picture.
+    pub fn default_of(&self, scene: &Scene) -> &dyn View {
+        let first = self.first();
+        let instead = self.instead_of(first.name());
+        instead.filter(|_| scene.is_script()).unwrap_or(first)
     }
 
     /// Returns the views that a scene has: those of the whole scene, and for each object those that show it.

@@ -49,12 +49,19 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Returns true if the text is a scene script, which describes one picture: its axes are left-handed, its colours may be
+    /// brighter than white, and it has only its own lights.
+    pub fn is_script(&self) -> bool {
+        self.picture.is_some()
+    }
+
     /// Converts coordinates, or the components of a vector, from the scene to the text or back: y and z are exchanged if
     /// the text is left-handed.
     pub fn stated<T: Copy>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
-        match self.picture {
-            Some(_) => [x, z, y],
-            None => [x, y, z],
+        if self.is_script() {
+            [x, z, y]
+        } else {
+            [x, y, z]
         }
     }
 

@@ -238,8 +238,8 @@ impl Core {
         self.motions = Motions::default();
         self.compile();
         let scene = self.model.scene.as_ref();
-        if !is_chosen && scene.is_some_and(|scene| scene.picture.is_some()) {
-            // A text that describes a picture is shown as that picture.
+        let default = scene.map(|scene| self.views.default_of(scene));
+        if !is_chosen && default.is_some_and(|view| view.instead_of().is_some()) {
             self.model
                 .adjust(|choices| choices.preferences.traced = true);
         }

@@ -14,7 +14,7 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::style::Theme;
-use render::view::{Interrupt, space, traced};
+use render::view::Interrupt;
 use render::{Backend, Note, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 
 use scene::Scene;
@@ -162,24 +162,17 @@ const BACKENDS: [Choice<Backend>; 3] = [
 
 impl Arguments {
     /// The view: unless given, the 3D view, or the traced view of a scene that states its picture.
-    fn view(&self, scene: &Scene) -> ViewId {
-        self.view.clone().unwrap_or_else(|| {
-            let name = match scene.picture {
-                Some(_) => traced::NAME,
-                None => space::NAME,
-            };
-            ViewId {
-                kind: name.to_owned(),
-                object: None,
-            }
-        })
+    fn view(&self, views: &Views, scene: &Scene) -> ViewId {
+        let default = || ViewId::of_scene(views.default_of(scene).name());
+        self.view.clone().unwrap_or_else(default)
     }
 
     /// The picture's size in pixels.
     fn size(&self, scene: &Scene) -> [u32; 2] {
-        let usual = match scene.picture {
-            Some(_) => [800, 600],
-            None => [800, 800],
+        let usual = if scene.is_script() {
+            [800, 600]
+        } else {
+            [800, 800]
         };
         self.size.map_or(usual, |size| size.0)
     }

@@ -119,7 +119,7 @@ pub(super) fn meshed(
             "`{name}` is meshed with {MOST_CELLS} cells along its longest side, the maximum: its counts request {asked}"
         ));
     }
-    notes.extend(thin(name, &bounds, cells, &found, scene.picture.is_some()));
+    notes.extend(thin(name, &bounds, cells, &found, scene.is_script()));
     (Some((mesh, colours)), notes)
 }
 

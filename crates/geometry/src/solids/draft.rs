@@ -49,7 +49,7 @@ impl<'a> Draft<'a> {
             sheets: Vec::new(),
             content: RayContent {
                 picture_look: options.picture_look,
-                is_script: scene.picture.is_some(),
+                is_script: scene.is_script(),
                 ..RayContent::default()
             },
         }
@@ -174,7 +174,7 @@ impl<'a> Draft<'a> {
         let (mut has_unplaced, mut has_places) = (false, false);
         for leaf in &solid.leaves {
             // In a scene script a colour may be brighter than white.
-            let bright = self.scene.picture.is_some();
+            let bright = self.scene.is_script();
             let attributes = AttributeSet::new(&self.scene.graph, &leaf.attributes, bright);
             let image = self.image(id, &leaf.attributes);
             let is_stated = image.is_some_and(|image| image.stated.is_some());

@@ -17,7 +17,7 @@ pub(super) fn completed(
     context: &Context,
 ) -> Result<Box<Arguments>, Failure> {
     let views = &context.registry.views;
-    let ViewId { kind, object } = arguments.view(program.scene());
+    let ViewId { kind, object } = arguments.view(views, program.scene());
     let of_object = views.get(&kind).is_some_and(|view| view.is_of_object());
     // The objects of a name are those of the values that the window remembers, or of those that are given.
     let object = match (of_object, object) {

@@ -221,7 +221,7 @@ fn view(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<ViewPart, Failure> {
-    let ViewId { kind, object } = &arguments.view(program.scene());
+    let ViewId { kind, object } = &arguments.view(views, program.scene());
     let view = views.get(kind);
     let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
     let mut view = match (object, view.is_of_object()) {
