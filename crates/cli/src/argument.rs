@@ -5,6 +5,7 @@ mod look;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use export::animation;
 
 use render::MAX_SIDE;
 
@@ -276,11 +277,13 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 
 /// Parses a number of pictures per second.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
-    const LEAST: f64 = 0.01;
-    const MOST: f64 = 1000.0;
+    let rates = animation::RATES;
     match positive(text)? {
-        value if (LEAST..=MOST).contains(&value) => Ok(value),
-        _ => Err(format!("it must be between {LEAST} and {MOST}")),
+        value if rates.contains(&value) => Ok(value),
+        _ => {
+            let (least, most) = (rates.start(), rates.end());
+            Err(format!("it must be between {least} and {most}"))
+        }
     }
 }
 

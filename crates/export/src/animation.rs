@@ -12,6 +12,7 @@ mod script;
 
 use std::fmt;
 use std::io::{self, Write};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use gif::Repeat;
@@ -25,6 +26,8 @@ pub const FRAMES: u32 = 60;
 pub const MOST_FRAMES: u32 = 100_000;
 /// The default number of pictures per second.
 pub const RATE: f64 = 25.0;
+/// The numbers of pictures per second that an animation may have.
+pub const RATES: RangeInclusive<f64> = 0.01..=1000.0;
 
 /// Returns the file of one frame in a sequence of `frames` pictures: `OUT-0001.png` for frame 0 of `OUT.png`, with as
 /// many digits as the last number needs, and at least four.

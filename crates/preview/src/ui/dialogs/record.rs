@@ -250,7 +250,7 @@ fn clip(clip: &mut Clip, ui: &mut Ui) {
         .labelled_by(label.id);
     ui.end_row();
     let label = ui.label("Frames per second");
-    ui.add(number_field::field(ui, &mut clip.rate).range(0.1..=1000.0))
+    ui.add(number_field::field(ui, &mut clip.rate).range(animation::RATES))
         .labelled_by(label.id);
     ui.end_row();
     let sides = 1..=render::MAX_SIDE;
