@@ -274,15 +274,30 @@ impl Model {
         }
     }
 
-    /// Changes the overlays. Axes need room: a camera that the user has not moved is placed anew for them.
-    pub fn set_marks(&mut self, marks: Marks) {
-        let needs_room = marks.axes != self.choices.preferences.marks.axes;
-        let step = Step::new("Change the overlays", "");
-        self.change(step, |choices| choices.preferences.marks = marks);
-        self.history.settle();
+    /// Replaces the choices, undoably if a step is given. Axes need room: a camera that the user has not moved is placed
+    /// anew for them. Another declared camera shows another part of the scene.
+    pub fn replace(&mut self, mut choices: Choices, step: Option<Step>) {
+        let before = &self.choices.preferences;
+        let after = &choices.preferences;
+        let needs_room = before.marks.axes != after.marks.axes;
+        if before.camera != after.camera {
+            choices.space = None;
+        }
+        match step {
+            Some(step) => self.change(step, |known| *known = choices),
+            None => self.adjust(|known| *known = choices),
+        }
         if needs_room {
             self.reframe();
         }
+    }
+
+    /// Changes the overlays.
+    pub fn set_marks(&mut self, marks: Marks) {
+        let mut choices = self.choices.clone();
+        choices.preferences.marks = marks;
+        self.replace(choices, Some(Step::new("Change the overlays", "")));
+        self.history.settle();
     }
 
     /// Undoes the last step. Returns its title.

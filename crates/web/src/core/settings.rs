@@ -83,21 +83,8 @@ impl Core {
         }
     }
 
-    fn put(&mut self, mut choices: Choices, step: Option<Step>) {
-        let before = &self.model.choices.preferences;
-        let after = &choices.preferences;
-        // Axes need room, and another camera shows another part of the scene.
-        let needs_room = before.marks.axes != after.marks.axes;
-        if before.camera != after.camera {
-            choices.space = None;
-        }
-        match step {
-            Some(step) => self.model.change(step, |known| *known = choices),
-            None => self.model.adjust(|known| *known = choices),
-        }
-        if needs_room {
-            self.model.reframe();
-        }
+    fn put(&mut self, choices: Choices, step: Option<Step>) {
+        self.model.replace(choices, step);
         self.sent.settings.clone_from(&self.model.choices);
         self.sent.is_stale = true;
         self.note_motion();
