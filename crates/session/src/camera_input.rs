@@ -44,8 +44,11 @@ const ZOOM_SPEED: f64 = 0.9;
 const TURN_SPEED: f64 = 1.2;
 /// The change of the natural logarithm of the distance per point of the wheel.
 const WHEEL: f64 = 0.003;
-/// The maximum time for which a camera moves between frames, in seconds, so that it does not jump after a slow frame.
-const MAX_STEP: f64 = 0.1;
+/// The maximum time for which cameras and params move between frames, in seconds, so that they do not jump after a slow
+/// frame.
+pub const MAX_STEP: f64 = 0.1;
+/// The time for which a view counts as moving after its last motion, such as between two turns of a wheel, in seconds.
+pub const MOTION_PAUSE: f64 = 0.18;
 
 /// A key that moves cameras. The page's messages name it "w", "left", "plus".
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]

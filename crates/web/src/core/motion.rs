@@ -2,16 +2,16 @@
 
 use render::ViewId;
 use session::camera_input::axis_views::Turn;
-use session::camera_input::{CameraKey, CameraKind, Held, Modifiers, geodesic, space};
+use session::camera_input::{
+    CameraKey, CameraKind, Held, MAX_STEP, MOTION_PAUSE, Modifiers, geodesic, space,
+};
 use session::motion::Motion;
 
 use super::Core;
 use crate::message::{CameraMove, Grip};
 
-/// The time for which a view counts as moving after its last motion, such as between two turns of a wheel, in seconds.
-const MOTION_PAUSE: f64 = 0.18;
-/// The assumed duration of the first frame of a motion, in seconds, since the pause before it may have any length.
-const FRAME: f64 = 1.0 / 60.0;
+/// The duration of a frame, in seconds: of the first one of a motion, too, since the pause before it may have any length.
+pub(super) const FRAME: f64 = 1.0 / 60.0;
 /// The minimum time between two steps of a motion, in seconds.
 const STEP: f64 = 0.004;
 
@@ -203,7 +203,7 @@ impl Core {
         let mut turn = self.motions.turn.take();
         Turn::advance(&mut turn, &mut self.model, now);
         self.motions.turn = turn;
-        self.sent.is_stale |= self.model.animate(elapsed.min(0.1));
+        self.sent.is_stale |= self.model.animate(elapsed.min(MAX_STEP));
         if let Some(keys) = self.motions.held.take() {
             self.move_by_keys(&keys, elapsed);
             self.motions.held = Some(keys);

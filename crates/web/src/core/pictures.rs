@@ -14,6 +14,7 @@ use session::refinement::{self, PictureDetail, PictureProgress};
 use session::request::{PaneRequest, picture_request};
 
 use super::Core;
+use super::motion::FRAME;
 use crate::message::{CoreEvent, Pane, PictureInfo};
 
 /// The duration from which a picture is announced to the page, in seconds.
@@ -171,7 +172,7 @@ impl Core {
             Next::Drawn(_) | Next::Announced => Some(0.0),
             Next::Nothing => {
                 let rest = self.moving_until().map(wait);
-                let motion = self.moves_by_itself().then_some(1.0 / 60.0);
+                let motion = self.moves_by_itself().then_some(FRAME);
                 // Pictures that the page has not shown yet need no timer: a message will arrive.
                 let all = [rest, motion, next_end.map(wait)];
                 all.into_iter().flatten().reduce(f64::min)

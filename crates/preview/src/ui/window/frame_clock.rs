@@ -4,9 +4,7 @@ use std::time::Duration;
 
 use session::Model;
 use session::attention::Attention;
-
-/// The time for which a view counts as moving after its last motion, such as between two turns of a wheel, in seconds.
-const MOTION_PAUSE: f64 = 0.18;
+use session::camera_input::MOTION_PAUSE;
 
 /// The times of the window. Points in time are in seconds, as counted by egui.
 #[derive(Debug, Default)]

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheelUnit, Ui};
 use scene::ObjectId;
+use session::camera_input::MAX_STEP;
 use session::camera_input::axis_views::Turn;
 use session::clicks::Clicks;
 use session::motion::Motion;
@@ -75,7 +76,7 @@ impl Window {
         }
         let seconds = ui
             .input(|input| f64::from(input.unstable_dt))
-            .clamp(0.0, 0.1);
+            .clamp(0.0, MAX_STEP);
         self.model.animate(seconds);
         self.display.clock.note_motion(ui.input(|input| input.time));
         ui.ctx().request_repaint();
