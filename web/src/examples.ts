@@ -1,6 +1,11 @@
 // The examples of the repository and the programs to begin with. Their texts are part of the page; the pictures in the
 // gallery are fetched when it opens.
 
+import curve from "../../examples/templates/curve.gtr?raw";
+import metric from "../../examples/templates/metric.gtr?raw";
+import solid from "../../examples/templates/solid.gtr?raw";
+import surface from "../../examples/templates/surface.gtr?raw";
+
 const texts = import.meta.glob<string>("../../examples/*.{gtr,crt}", { query: "?raw", import: "default", eager: true });
 const pictures = import.meta.glob<string>("./gallery/*.webp", { query: "?url", import: "default", eager: true });
 
@@ -47,32 +52,9 @@ vector east = f_u(U, V) @ p;
 /** New programs: their title and text. */
 export const TEMPLATES: { title: string; file: string; text: string }[] = [
     { title: "Empty", file: "untitled.gtr", text: "" },
-    {
-        title: "Curve",
-        file: "curve.gtr",
-        text: `# A helix, and its velocity at a point that the slider moves.
-param a : [0, 4pi];
-curve c(t) = (cos(t), sin(t), t/4), t : [0, 4pi];
-point p = c(a);
-vector v = c'(a) @ p;
-`,
-    },
-    {
-        title: "Surface",
-        file: "surface.gtr",
-        text: `# A torus, and a geodesic on it. Click the torus to stand there and look around from inside.
-param r = 0.8 : [0.4, 1.2];
-surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
-geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, 10];
-`,
-    },
-    {
-        title: "Metric",
-        file: "metric.gtr",
-        text: `# The hyperbolic plane by its metric: E, F, G. It has no shape in space, so it is seen from inside.
-metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];
-geodesic g(t) : h = (1, 1) @ (0, 1), t : [0, 1];
-`,
-    },
+    { title: "Curve", file: "curve.gtr", text: curve },
+    { title: "Surface", file: "surface.gtr", text: surface },
+    { title: "Metric", file: "metric.gtr", text: metric },
+    { title: "Solid", file: "solid.gtr", text: solid },
     { title: "First program", file: "first.gtr", text: FIRST },
 ];

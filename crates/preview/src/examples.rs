@@ -74,45 +74,21 @@ pub(crate) struct Template {
     pub(crate) text: &'static str,
 }
 
-/// All templates.
-pub(crate) const TEMPLATES: [Template; 4] = [
-    Template {
-        title: "Curve",
-        text: "\
-# A helix, and its velocity at a point that the slider moves.
-param a : [0, 4pi];
-curve c(t) = (cos(t), sin(t), t/4), t : [0, 4pi];
-point p = c(a);
-vector v = c'(a) @ p;
-",
-    },
-    Template {
-        title: "Surface",
-        text: "\
-# A torus, and a geodesic on it. Click the torus to stand there and look around from inside.
-param r = 0.8 : [0.4, 1.2];
-surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
-geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, 10];
-",
-    },
-    Template {
-        title: "Metric",
-        text: "\
-# The hyperbolic plane by its metric: E, F, G. It has no shape in space, so it is seen from inside.
-metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];
-geodesic g(t) : h = (1, 1) @ (0, 1), t : [0, 1];
-",
-    },
-    Template {
-        title: "Solid",
-        text: "\
-# A ball without a rod through it. A solid is where its function is negative; & | \\ make others of solids.
-param r = 0.4 : [0.1, 0.9];
-solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;
-solid rod(x, y, z) = x^2 + y^2 - r^2, z : [-2, 2];
-solid bead = ball \\ rod;
-",
-    },
+macro_rules! templates {
+    ($($title:literal in $file:literal),* $(,)?) => {
+        &[$(Template {
+            title: $title,
+            text: include_str!(concat!("../../../examples/templates/", $file)),
+        }),*]
+    };
+}
+
+/// All templates, which the page offers too.
+pub(crate) const TEMPLATES: &[Template] = templates![
+    "Curve" in "curve.gtr",
+    "Surface" in "surface.gtr",
+    "Metric" in "metric.gtr",
+    "Solid" in "solid.gtr",
 ];
 
 #[cfg(test)]
