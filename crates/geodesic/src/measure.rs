@@ -34,7 +34,7 @@ use crate::trace::TraceError;
 
 pub use between::{Connection, Connections, MOST_CONNECTIONS, between, distance};
 pub use circle::{Circle, RayStop, circle};
-pub use gap::is_one_place;
+pub use gap::{components, is_one_place, shortest_step};
 pub use place::{PlaceMeasures, Principal, place};
 pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};
 pub use walk::{Closing, Transport, closing, transport};

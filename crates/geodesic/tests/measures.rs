@@ -632,6 +632,20 @@ fn a_place_with_two_names_is_one_place() {
     }
 }
 
+#[test]
+fn the_shortest_step_passes_sides_that_are_glued() {
+    let check = |surface: &dyn Surface, from: [f64; 2], to: [f64; 2], expected: [f64; 2]| {
+        let step = measure::shortest_step(surface, from, to);
+        let is_near = |k: usize| (step[k] - expected[k]).abs() < 1e-12;
+        assert!((0..2).all(is_near), "{step:?}");
+    };
+    let (torus, strip) = (torus(0.4), moebius(0.0));
+    check(&torus, [0.01, 1.0], [TAU - 0.01, 1.1], [-0.02, 0.1]);
+    check(&torus, [1.0, 2.0], [1.5, 2.25], [0.5, 0.25]);
+    check(&strip, [TAU - 0.01, 0.2], [0.01, -0.21], [0.02, 0.01]);
+    check(&strip, [0.01, -0.21], [TAU - 0.01, 0.2], [-0.02, 0.01]);
+}
+
 /// The length of the shortest path along the lines of a grid of places, between two of them: no less than the distance, and
 /// little more.
 fn grid_distances(surface: &dyn Surface, cells: usize, from: [usize; 2]) -> Vec<f64> {

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use geodesic::metric::Metric;
 use geodesic::surface::Surface;
 use render::trail::Trail;
 use scene::ObjectId;
@@ -74,13 +75,8 @@ impl CameraPath {
 
 /// Returns the first fundamental form: E, F, G.
 fn form(surface: &dyn Surface, uv: [f64; 2]) -> [f64; 3] {
-    let jet = surface.jet(uv.into());
-    let inner = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    [
-        inner(jet.du, jet.du),
-        inner(jet.du, jet.dv),
-        inner(jet.dv, jet.dv),
-    ]
+    let Metric { e, f, g, r: _ } = Metric::of(&surface.jet(uv.into()));
+    [e, f, g]
 }
 
 fn close(a: [f64; 3], b: [f64; 3]) -> bool {

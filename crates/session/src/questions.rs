@@ -263,9 +263,9 @@ fn way_to(
 const HERE: f64 = 1e-6;
 
 /// Returns whether a point is a camera's position.
-fn is_here(surface: &dyn Surface, camera: &Frame, [u, v]: [f64; 2]) -> bool {
-    let [du, dv] = [u - camera.uv.0[0], v - camera.uv.0[1]];
-    let form = measure::place(surface, [u, v]).map(|found| found.form);
+fn is_here(surface: &dyn Surface, camera: &Frame, uv: [f64; 2]) -> bool {
+    let [du, dv] = measure::shortest_step(surface, uv, camera.uv).0;
+    let form = measure::place(surface, uv).map(|found| found.form);
     form.is_ok_and(|[e, f, g]| {
         let length = (e * du * du + 2.0 * f * du * dv + g * dv * dv)
             .max(0.0)
@@ -319,12 +319,39 @@ fn way_back(surface: &dyn Surface, from: &Frame, to: [f64; 2]) -> Option<[f64; 2
 /// Returns the coordinates of a tangent vector in a frame at the same point; `None` if there are none.
 fn in_frame(surface: &dyn Surface, frame: &Frame, vector: [f64; 2]) -> Option<[f64; 2]> {
     let plain = frame.plain(surface);
-    let [[a, c], [b, d]] = [plain.x.0, plain.y.0];
-    let determinant = a * d - b * c;
-    let [p, q] = vector;
-    let coordinates = [(p * d - b * q) / determinant, (a * q - p * c) / determinant];
-    coordinates
-        .iter()
-        .all(|x| x.is_finite())
-        .then_some(coordinates)
+    measure::components(plain.x, plain.y, vector.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use geodesic::frame::Frame;
+    use geometry::Manifold;
+    use scene::{ObjectId, ParamValues};
+
+    use super::is_here;
+
+    #[test]
+    fn a_camera_on_a_seam_is_found_from_both_of_its_sides() {
+        for (text, beyond) in [
+            (
+                "surface s(u, v) = (cos u, sin u, v), u : [0, 2pi], v : [-1, 1];",
+                0.25,
+            ),
+            (
+                "surface s(u, v) = ((1 + v cos(u/2)) cos u, (1 + v cos(u/2)) sin u, v sin(u/2)), \
+                 u : [0, 2pi], v : [-1/2, 1/2];",
+                -0.25,
+            ),
+        ] {
+            let scene = scene::geotrace::compile(text).scene.expect("no errors");
+            let uniforms = ParamValues::initial(&scene).first_instance(&scene, &scene.objects[0]);
+            let manifold = Manifold::new(&scene, ObjectId::new(0), &uniforms).expect("a surface");
+            let surface = manifold.surface();
+            let camera = Frame::new(surface, [0.0, 0.25], 0.0, 1.0).expect("a camera");
+            let end = surface.domain()[0][1];
+            assert!(is_here(surface, &camera, [1e-9, 0.25]));
+            assert!(is_here(surface, &camera, [end - 1e-9, beyond]));
+            assert!(!is_here(surface, &camera, [end - 0.01, beyond]));
+        }
+    }
 }

@@ -7,7 +7,8 @@
 use std::sync::Arc;
 
 use expr::tape::{Registers, Tape};
-use geodesic::surface::{Side, Surface};
+use geodesic::measure;
+use geodesic::surface::Surface;
 use geodesic::vector::{dot, norm};
 use geometry::{Manifold, follow_declared};
 use render::point::{PixelPoint, WorldPoint};
@@ -200,14 +201,16 @@ fn from_inside<'t>(
         Some(renderer.pick(request, pixel).ok()??.parameters)
     };
     let (here, right, below) = (place(0.0, 0.0)?, place(PROBE, 0.0)?, place(0.0, PROBE)?);
-    let [a, c] = between(surface, here, right).map(|x| x / PROBE);
-    let [b, d] = between(surface, here, below).map(|x| x / PROBE);
-    let determinant = a * d - b * c;
-    let pixels = |target: &&&SnapTarget| {
-        let [u, v] = between(surface, here, target.uv);
-        [(u * d - b * v) / determinant, (a * v - u * c) / determinant]
+    let right = measure::shortest_step(surface, here, right);
+    let below = measure::shortest_step(surface, here, below);
+    let pixels = |target: &SnapTarget| {
+        let step = measure::shortest_step(surface, here, target.uv);
+        let probes = measure::components(right, below, step)?;
+        Some(probes.map(|x| PROBE * x))
     };
-    let offsets = targets.iter().map(|target| (pixels(&target), target));
+    let offsets = targets
+        .iter()
+        .filter_map(|target| Some((pixels(target)?, target)));
     let near = offsets.filter(|([x, y], _)| x.hypot(*y) <= REACH);
     let ([x, y], target) = near.min_by(|a, b| {
         let [a, b] = [a.0, b.0].map(|[x, y]| x.hypot(y));
@@ -230,21 +233,6 @@ impl SnapTarget {
             polar: None,
         }
     }
-}
-
-/// Returns the step from one point of the chart to another, across sides that wrap.
-fn between(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-    let (domain, sides) = (surface.domain(), surface.sides());
-    [0, 1].map(|axis| {
-        let step = to[axis] - from[axis];
-        match sides.of(axis)[0] {
-            Side::Wrap => {
-                let period = domain[axis][1] - domain[axis][0];
-                step - period * (step / period).round()
-            }
-            _ => step,
-        }
-    })
 }
 
 /// Returns the lettered points of the figures in a picture.

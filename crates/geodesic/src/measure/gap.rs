@@ -218,11 +218,7 @@ impl<'s> AimedPlace<'s> {
 }
 
 /// Returns the components of a vector along two others; `None` where they do not span a plane.
-pub(super) fn components(
-    a: TangentVector,
-    b: TangentVector,
-    way: TangentVector,
-) -> Option<[f64; 2]> {
+pub fn components(a: TangentVector, b: TangentVector, way: TangentVector) -> Option<[f64; 2]> {
     let determinant = a[0] * b[1] - a[1] * b[0];
     let found = [
         (way[0] * b[1] - way[1] * b[0]) / determinant,
@@ -241,6 +237,22 @@ fn tip_at(surface: &dyn Surface, at: [f64; 2]) -> Option<(usize, usize)> {
         apex.is_some_and(|apex| apex.regular && !apex.smooth)
             && off <= AT_TIP * (domain[axis][1] - domain[axis][0])
     })
+}
+
+/// Returns the step in (u, v) from one point to a near one: of those across sides that are glued, the shortest by the metric
+/// at the first point.
+pub fn shortest_step(
+    surface: &dyn Surface,
+    from: impl Into<Uv>,
+    to: impl Into<Uv>,
+) -> TangentVector {
+    let from = from.into();
+    let metric = Metric::of(&surface.jet(from));
+    let length = |step: &TangentVector| metric.inner(*step, *step);
+    let steps = copies(surface, to.into()).into_iter();
+    let steps = steps.map(|copy| TangentVector([copy[0] - from[0], copy[1] - from[1]]));
+    let shortest = steps.min_by(|a, b| length(a).total_cmp(&length(b)));
+    shortest.expect("the first copy is the point itself")
 }
 
 /// Returns whether two pairs (u, v) denote the same point: they are equal, are on sides that are glued, or on a side that
