@@ -136,12 +136,15 @@ impl LoadedProgram {
         Some(&self.scene.get(id)?.name)
     }
 
-    /// Returns the params at their initial values, changed by the `--set` arguments. From then on the program has the scene of
-    /// these params.
+    /// Sets the params that the `--set` arguments name: from then on the program has the scene of these values. Returns the
+    /// values of all params.
     ///
     /// # Errors
     /// Those of [`Self::values`] and [`Self::run_for`].
-    pub(crate) fn params(&mut self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
+    pub(crate) fn set_params(
+        &mut self,
+        assignments: &[Assignment],
+    ) -> Result<ParamValues, Failure> {
         let params = self.values(assignments)?;
         self.run_for(&params)?;
         Ok(params)

@@ -118,7 +118,7 @@ struct Growth {
 /// Measures all methods and prints the results.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let extension = arguments.output.as_deref().and_then(Path::extension);
     if let (Some(output), Some(extension)) = (&arguments.output, extension)

@@ -147,7 +147,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         return Err(Failure::usage("standard input (`-`) can be read only once"));
     }
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let rays = rays(arguments, &program, &params)?;
     let scene = prepared(&program, &params, arguments.solid.as_deref())?;
     let notes: Vec<String> = scene.notes().iter().map(ToString::to_string).collect();

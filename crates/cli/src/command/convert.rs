@@ -36,7 +36,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let language = context.language(&arguments.file)?;
     let mut program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let analysis = language.read(&program.source.text);
     let Some(extension) = analysis.conversion() else {
         return Err(refused(ConvertError::NotOffered));

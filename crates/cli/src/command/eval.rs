@@ -64,7 +64,7 @@ enum JsonValue<'a> {
 /// Evaluates one expression.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let expression = SourceText::new("<expression>".into(), arguments.expression.clone());
     let evaluation = match program.evaluate(&expression.text, &params) {
         Ok(evaluation) => evaluation,

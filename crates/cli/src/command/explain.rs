@@ -142,7 +142,7 @@ struct LeafEntry {
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    program.params(&[])?;
+    program.set_params(&[])?;
     let document = document(program.scene(), &context.registry.views);
     match arguments.format {
         Format::Json => output::print_json(&document),

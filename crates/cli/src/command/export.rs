@@ -75,7 +75,7 @@ const FORMATS: [Choice<MeshFormat>; MeshFormat::ALL.len()] = {
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let format = file_format(arguments)?;
     let mut program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let scene = program.scene();
     let objects = objects(&program, &arguments.object)?;
     let images = textures(&arguments.texture, arguments.images.as_deref(), &program)?;

@@ -167,7 +167,7 @@ struct TriangleErrorsJson {
 /// Measures what the arguments name.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let manifold = program.manifold(id, &params)?;
     let measuring = Measuring {

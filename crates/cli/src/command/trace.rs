@@ -131,7 +131,7 @@ struct TraceJson {
 /// Traces one geodesic.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let mut program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let params = program.params(&arguments.set)?;
+    let params = program.set_params(&arguments.set)?;
     let (id, object) = program.ground(arguments.surface.as_deref())?;
     let length = program.number("--length", &arguments.length, &params)?;
     if length < 0.0 {

@@ -107,7 +107,7 @@ impl Bench {
         let path = self.folder.path().join(NAME);
         let mut program =
             LoadedProgram::load(&self.context, &path, Format::Human).expect("no errors");
-        let params = program.params(&arguments.set).expect("values");
+        let params = program.set_params(&arguments.set).expect("values");
         let images = textures(&arguments.texture, None, &program).expect("images");
         let request = picture::request(&arguments, self.views(), &program, params, &images);
         let request = request.unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"));
