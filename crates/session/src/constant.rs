@@ -1,7 +1,6 @@
-//! The number that is typed into a field: a constant expression of the language.
+//! The number that is typed into a field: a constant expression of the default language.
 
-use ide::Language;
-use ide::geotrace::Geotrace;
+use ide::Languages;
 use scene::{Outcome, ParamValues, Value};
 
 /// The words of [`value`]'s sentence behind the text.
@@ -21,7 +20,9 @@ pub fn value(text: &str) -> Result<f64, String> {
 }
 
 fn evaluated(text: &str) -> Result<f64, String> {
-    let compiled = Geotrace.compile("").map_err(|error| error.to_string())?;
+    let languages = Languages::standard();
+    let compiled = languages.default_language().compile("");
+    let compiled = compiled.map_err(|error| error.to_string())?;
     let scene = compiled.scene.ok_or("there is no scope")?;
     let params = ParamValues::initial(&scene);
     match compiled.scope.evaluate(text, &params) {
