@@ -106,7 +106,10 @@ impl CameraKey {
     /// Returns whether it is a letter. The other keys move cameras only if no control, which may use them itself, has
     /// the focus.
     pub fn is_letter(self) -> bool {
-        (self as u16) < Self::Left as u16
+        match self {
+            Self::W | Self::S | Self::A | Self::D | Self::Q | Self::E | Self::Z | Self::X => true,
+            Self::Left | Self::Right | Self::Up | Self::Down | Self::Plus | Self::Minus => false,
+        }
     }
 
     fn bit(self) -> u16 {
