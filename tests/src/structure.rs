@@ -67,7 +67,7 @@ pub fn files() -> &'static [File] {
     // Every measure reads all of them.
     static FILES: LazyLock<Vec<File>> = LazyLock::new(|| {
         let mut paths = Vec::new();
-        collect(&repository().join("crates"), &mut paths);
+        collect(&repository().join("crates"), "rs", &mut paths);
         paths.sort();
         assert!(paths.len() > 100, "only {} source files", paths.len());
         paths.iter().filter_map(|path| read(path)).collect()
@@ -75,12 +75,12 @@ pub fn files() -> &'static [File] {
     &FILES
 }
 
-fn collect(folder: &Path, paths: &mut Vec<PathBuf>) {
+fn collect(folder: &Path, extension: &str, paths: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable folder").path();
         if path.is_dir() {
-            collect(&path, paths);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            collect(&path, extension, paths);
+        } else if path.extension().is_some_and(|ending| ending == extension) {
             paths.push(path);
         }
     }
@@ -399,9 +399,65 @@ pub fn types(files: &[File]) -> BTreeMap<String, Vec<String>> {
 
 /// The words of identifiers in code: `RenderThread` and `render_thread` hold `render` and `thread`.
 pub fn words(file: &File) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
     let names = file.tokens.iter().filter_map(Lexeme::word);
-    for name in names.chain(file.modules.iter().map(String::as_str)) {
+    words_of(names.chain(file.modules.iter().map(String::as_str)))
+}
+
+/// The scripts of the page and of the editors, by path below the repository, with the words of their identifiers.
+///
+/// # Panics
+/// If a file cannot be read.
+pub fn scripts() -> Vec<(PathBuf, BTreeSet<String>)> {
+    let mut paths = Vec::new();
+    for (folder, extension) in [
+        ("web/src", "ts"),
+        ("editors/vscode/src", "ts"),
+        ("editors/neovim", "lua"),
+    ] {
+        collect(&repository().join(folder), extension, &mut paths);
+    }
+    paths.sort();
+    let script = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).expect("a readable script");
+        let code: String = text.lines().map(code_of).collect();
+        let names = code.split(|c: char| !c.is_alphanumeric() && c != '_');
+        let path = path
+            .strip_prefix(repository())
+            .expect("below the repository");
+        (path.to_owned(), words_of(names))
+    };
+    paths.into_iter().map(script).collect()
+}
+
+/// A line of a script without its comment and its strings.
+fn code_of(line: &str) -> String {
+    let line = line.trim_start();
+    let is_comment = ["//", "/*", "*", "--"]
+        .iter()
+        .any(|mark| line.starts_with(mark));
+    let mut code = String::new();
+    let mut quote = None;
+    for c in line.chars().filter(|_| !is_comment) {
+        match quote {
+            Some(mark) if c == mark => quote = None,
+            Some(_) => {}
+            None if matches!(c, '"' | '\'' | '`') => quote = Some(c),
+            None => code.push(c),
+        }
+    }
+    let end = code
+        .find("//")
+        .or_else(|| code.find("-- "))
+        .unwrap_or(code.len());
+    code.truncate(end);
+    code.push('\n');
+    code
+}
+
+/// The words of identifiers.
+fn words_of<'n>(names: impl Iterator<Item = &'n str>) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for name in names {
         let mut word = String::new();
         for c in name.chars().chain(['_']) {
             if (c == '_' || c.is_ascii_uppercase()) && !word.is_empty() {

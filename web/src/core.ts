@@ -40,7 +40,7 @@ export type Start = () => Worker;
 /** A Worker has failed at once if it was heard for less than this, in milliseconds, before it failed. */
 const AT_ONCE = 10_000;
 /** A call that takes longer than this, in milliseconds, has met a program that is too much for it. */
-const PATIENCE = 45_000;
+const LONGEST_CALL = 45_000;
 /** Calls that may take as long as they like: the reader waits for a file, and can cancel them. */
 const isLong = (call: CallName) => call === "savePicture" || call === "saveMesh";
 
@@ -272,7 +272,7 @@ export class Core {
             return;
         }
         if (this.waiting > 0 || (this.program !== undefined && this.program.version !== this.checked)) {
-            this.watch = setTimeout(() => this.lose("it does not answer"), PATIENCE);
+            this.watch = setTimeout(() => this.lose("it does not answer"), LONGEST_CALL);
         }
     }
 

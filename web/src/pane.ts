@@ -75,7 +75,7 @@ export interface PaneEvents {
     /** The reader moves the camera. */
     moved?(): void;
     /** How long the Worker may wait until it draws this pane again, in milliseconds: another one is worth more. */
-    patience?(): number;
+    delay?(): number;
 }
 
 export class Pane {
@@ -216,9 +216,9 @@ export class Pane {
         this.element.dataset["version"] = String(picture.version);
         this.hint();
         const { id } = this.info;
-        const patience = this.events.patience?.() ?? 0;
-        if (patience > 0) {
-            setTimeout(() => this.core.tell("shown", { view: id }), patience);
+        const delay = this.events.delay?.() ?? 0;
+        if (delay > 0) {
+            setTimeout(() => this.core.tell("shown", { view: id }), delay);
         } else {
             this.core.tell("shown", { view: id });
         }

@@ -16,7 +16,7 @@
  * - The Worker draws by itself whatever the declared panes show: coarse while something moves, exact at rest. The page
  *   answers each `picture` with `shown`; until then the pane gets no other one.
  * - A call that cannot be done is answered with a sentence that is meant for the reader of the page.
- * - A Worker that ends (`crashed`, or the page has lost patience) has nothing that the page has not: the text, and the
+ * - A Worker that ends (`crashed`, or a call has taken too long) has nothing that the page has not: the text, and the
  *   settings of the last `settings` event.
  */
 

@@ -15,7 +15,7 @@ export interface ThreadStart {
 }
 
 /** A Worker that has not started by then, in milliseconds, is done without. */
-const PATIENCE = 3000;
+const LONGEST_START = 3000;
 
 /**
  * Loads the core with so many threads, or fewer where they do not start. Throws where the browser does not share memory
@@ -41,7 +41,7 @@ function startThread(start: ThreadStart): Promise<boolean> {
             }
             resolve(isReady);
         };
-        const late = setTimeout(() => end(false), PATIENCE);
+        const late = setTimeout(() => end(false), LONGEST_START);
         worker.onmessage = () => end(true);
         worker.onerror = (event) => {
             // Else it would be an error of this Worker too.

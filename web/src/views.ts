@@ -163,7 +163,7 @@ export class Views {
             },
             resized: () => this.tellSizes(),
             moved: () => (this.moved = { pane, at: performance.now() }),
-            patience: () => (this.isBehind(pane) ? BEHIND : 0),
+            delay: () => (this.isBehind(pane) ? BEHIND : 0),
             isMeasuring: () => this.measuring.takesPlaces,
             measured: (pick) => this.measuring.take(pick),
             isFlying: () => this.core.settings.preferences?.fly ?? false,
