@@ -151,11 +151,7 @@ impl Page<'_> {
     /// Writes `file:line:column: error[code]: sentence`.
     fn head(&self, text: &mut String, diagnostic: &Diagnostic) {
         self.place(text, diagnostic.span);
-        let word = format!(
-            "{}[{}]",
-            json::severity(diagnostic.severity),
-            diagnostic.code.0
-        );
+        let word = format!("{}[{}]", diagnostic.severity.name(), diagnostic.code.0);
         let word = match diagnostic.severity {
             Severity::Error => self.colours.error(&word),
             Severity::Warning => self.colours.warning(&word),

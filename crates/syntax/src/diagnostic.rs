@@ -13,6 +13,17 @@ pub enum Severity {
     Hint,
 }
 
+impl Severity {
+    /// Returns its name in messages: `error`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+            Self::Hint => "hint",
+        }
+    }
+}
+
 /// A stable name for one kind of diagnostic, in kebab-case: `unexpected-token`.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Code(pub &'static str);

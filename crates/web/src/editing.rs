@@ -16,7 +16,7 @@ use ide::language::Analysis;
 use ide::{Language, Languages, Program};
 use serde::Serialize;
 use serde_json::{Value, json};
-use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
 use crate::message::{PageFinding, Related};
@@ -107,11 +107,7 @@ impl Editing {
     pub fn findings(&self, diagnostics: &[Diagnostic]) -> Vec<PageFinding> {
         let finding = |found: &Diagnostic| PageFinding {
             range: self.source.range(found.span),
-            severity: match found.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-                Severity::Hint => "hint",
-            },
+            severity: found.severity.name(),
             code: found.code.0,
             message: found.message.clone(),
             hint: found.hint.clone(),

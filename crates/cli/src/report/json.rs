@@ -1,7 +1,7 @@
 //! Diagnostics for other programs: one JSON document.
 
 use serde::Serialize;
-use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::diagnostic::Diagnostic;
 
 use crate::source::SourceText;
 
@@ -43,7 +43,7 @@ impl DiagnosticsJson {
                     column: start.column,
                     end_line: end.line,
                     end_column: end.column,
-                    severity: severity(diagnostic.severity),
+                    severity: diagnostic.severity.name(),
                     code: diagnostic.code.0,
                     message: diagnostic.message.clone(),
                     hint: diagnostic.hint.clone(),
@@ -52,19 +52,10 @@ impl DiagnosticsJson {
     }
 }
 
-/// Returns the word for a severity, in JSON and in text.
-pub(crate) fn severity(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-        Severity::Hint => "hint",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use syntax::diagnostic::Code;
+    use syntax::diagnostic::{Code, Severity};
     use syntax::span::Span;
 
     #[test]
