@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use scene::SetError;
+
 /// The reason why a value is not written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditParamError {
@@ -10,26 +12,8 @@ pub enum EditParamError {
         /// The name.
         name: String,
     },
-    /// The number of values differs from the number of the param's components.
-    Components {
-        /// The param.
-        name: String,
-        /// The number of its components.
-        expected: usize,
-        /// The number of given values.
-        given: usize,
-    },
-    /// A value is outside its interval, or is not a number.
-    OutOfRange {
-        /// The param.
-        name: String,
-        /// The value.
-        value: f64,
-        /// The minimum.
-        min: f64,
-        /// The maximum.
-        max: f64,
-    },
+    /// The values do not fit the param.
+    Set(SetError),
     /// A comment is inside the value to be replaced, and would be lost.
     Comment {
         /// The param.
@@ -44,26 +28,7 @@ impl fmt::Display for EditParamError {
                 f,
                 "no param `{name}` is declared without errors, so its value cannot be written"
             ),
-            Self::Components {
-                name,
-                expected,
-                given,
-            } => {
-                let wanted = match expected {
-                    1 => "one number".to_owned(),
-                    count => format!("{count} numbers"),
-                };
-                write!(f, "`{name}` takes {wanted}, but {given} were given")
-            }
-            Self::OutOfRange {
-                name,
-                value,
-                min,
-                max,
-            } => write!(
-                f,
-                "{value} lies outside the interval [{min}, {max}] of `{name}`"
-            ),
+            Self::Set(error) => error.fmt(f),
             Self::Comment { name } => write!(
                 f,
                 "the value of `{name}` has a comment in it, which would be lost: write the value by hand"
@@ -73,3 +38,9 @@ impl fmt::Display for EditParamError {
 }
 
 impl std::error::Error for EditParamError {}
+
+impl From<SetError> for EditParamError {
+    fn from(error: SetError) -> Self {
+        Self::Set(error)
+    }
+}

@@ -5,6 +5,7 @@ use ide::crt::Crt;
 use ide::edit::apply;
 use ide::edit_camera::EditCameraError;
 use ide::edit_param::EditParamError;
+use scene::SetError;
 
 const POSITION: [f64; 3] = [1.0, 2.0 / 3.0, -5.0];
 const DIRECTION: [f64; 3] = [0.0, -0.25, 4.0];
@@ -145,7 +146,10 @@ fn a_number_of_the_settings_is_written_in_its_range() {
     ] {
         let refused = number(text, word, value);
         assert!(
-            matches!(refused, Err(EditParamError::OutOfRange { .. })),
+            matches!(
+                refused,
+                Err(EditParamError::Set(SetError::OutOfRange { .. }))
+            ),
             "{word} {value}: {refused:?}"
         );
     }

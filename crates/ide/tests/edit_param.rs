@@ -4,7 +4,7 @@ use ide::edit::apply;
 use ide::edit_param::EditParamError;
 use ide::geotrace::edit_param::edit_param;
 use ide::geotrace::{GeotraceAnalysis, hover};
-use scene::ParamValues;
+use scene::{ParamValues, SetError};
 
 /// The text with a value written, which compiles and opens with that value, to a slider's step.
 fn written(text: &str, param: &str, values: &[f64]) -> String {
@@ -72,15 +72,15 @@ fn what_cannot_be_written_is_refused_with_the_reason() {
     assert_eq!(refusal(text, "q", &[0.0]), none("q"));
     assert_eq!(
         refusal(text, "r", &[0.0, 1.0]).to_string(),
-        "`r` takes one number, but 2 were given"
+        "`r` is one number, but 2 were given"
     );
     assert_eq!(
         refusal(text, "r", &[1.5]).to_string(),
-        "1.5 lies outside the interval [0, 1] of `r`"
+        "`r` = 1.5 lies outside its interval [0, 1]"
     );
     assert!(matches!(
         refusal(text, "r", &[f64::NAN]),
-        EditParamError::OutOfRange { .. }
+        EditParamError::Set(SetError::OutOfRange { .. })
     ));
     assert!(matches!(
         refusal(text, "o", &[1.0]),

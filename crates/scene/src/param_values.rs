@@ -108,6 +108,34 @@ impl fmt::Display for SetError {
 
 impl std::error::Error for SetError {}
 
+impl SetError {
+    /// Checks values against the intervals of a param's or grid's components.
+    ///
+    /// # Errors
+    /// [`SetError::Components`], [`SetError::OutOfRange`].
+    pub fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), Self> {
+        if ranges.len() != values.len() {
+            return Err(Self::Components {
+                name: name.to_owned(),
+                expected: ranges.len(),
+                given: values.len(),
+            });
+        }
+        let Some(component) = Range::first_outside(ranges, values) else {
+            return Ok(());
+        };
+        let range = ranges[component];
+        Err(Self::OutOfRange {
+            name: name.to_owned(),
+            component,
+            components: ranges.len(),
+            value: values[component],
+            min: range.min,
+            max: range.max,
+        })
+    }
+}
+
 impl Scene {
     /// Returns the scene for these values of its params: a new scene if the values may change more than numbers, otherwise
     /// the given one.
@@ -167,7 +195,7 @@ impl ParamValues {
     /// interval; the values are then unchanged.
     pub fn set(&mut self, scene: &Scene, name: &str, values: &[f64]) -> Result<(), SetError> {
         if let Some(param) = scene.params.iter().find(|param| param.name == name) {
-            check(name, &param.ranges, values)?;
+            SetError::check(name, &param.ranges, values)?;
             self.write(param.first_uniform, values);
             return Ok(());
         }
@@ -180,7 +208,7 @@ impl ParamValues {
         };
         let grid = &scene.grids[position];
         let ranges: Vec<Range> = grid.axes.iter().map(|axis| axis.range).collect();
-        check(name, &ranges, values)?;
+        SetError::check(name, &ranges, values)?;
         self.write(grid.first_uniform, values);
         let id = GridId(position as u32);
         if !self.fixed.contains(&id) {
@@ -318,29 +346,6 @@ impl ParamValues {
         let first = first_uniform as usize;
         self.uniforms[first..first + values.len()].copy_from_slice(values);
     }
-}
-
-/// Checks values against their intervals.
-fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
-    if ranges.len() != values.len() {
-        return Err(SetError::Components {
-            name: name.to_owned(),
-            expected: ranges.len(),
-            given: values.len(),
-        });
-    }
-    let Some(component) = Range::first_outside(ranges, values) else {
-        return Ok(());
-    };
-    let range = ranges[component];
-    Err(SetError::OutOfRange {
-        name: name.to_owned(),
-        component,
-        components: ranges.len(),
-        value: values[component],
-        min: range.min,
-        max: range.max,
-    })
 }
 
 /// Returns the param or grid whose name is nearest to a word, if it is near enough.

@@ -3,6 +3,7 @@
 //! In: an analysis and numbers in the script's coordinates. Out: the edit after which the script states them. The rest
 //! of the block and of its camera remains unchanged.
 
+use scene::SetError;
 use syntax::crt::objects::{ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
 use syntax::crt::tree::BlockKind;
@@ -89,19 +90,24 @@ pub(super) fn edit_number(
         _ => return Err(EditParamError::NoParam { name }),
     };
     let &[value] = values else {
-        return Err(EditParamError::Components {
+        let given = values.len();
+        return Err(SetError::Components {
             name,
             expected: 1,
-            given: values.len(),
-        });
+            given,
+        }
+        .into());
     };
     if !range.contains(value) || is_whole && value.fract() != 0.0 {
-        return Err(EditParamError::OutOfRange {
+        let error = SetError::OutOfRange {
             name,
+            component: 0,
+            components: 1,
             value,
             min: range.min,
             max: range.max,
-        });
+        };
+        return Err(error.into());
     }
     let text = format!("{word} -> {}", literal(&value.to_string()));
     match setting(analysis, word) {

@@ -3,7 +3,7 @@
 //! In: a param's name and a number for each of its components. Out: the edit after which these are the initial values
 //! of the param, as in `param r = 0.3 : [0, 1];`.
 
-use scene::Range;
+use scene::{Range, SetError};
 use syntax::geotrace::declarations::Category;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -29,22 +29,7 @@ pub fn edit_param(
     };
     let item = analysis.declared(param).ok_or_else(no_param)?;
     let ranges = ranges(analysis, &item).ok_or_else(no_param)?;
-    if ranges.len() != values.len() {
-        return Err(EditParamError::Components {
-            name: param.to_owned(),
-            expected: ranges.len(),
-            given: values.len(),
-        });
-    }
-    if let Some(component) = Range::first_outside(&ranges, values) {
-        let Range { min, max } = ranges[component];
-        return Err(EditParamError::OutOfRange {
-            name: param.to_owned(),
-            value: values[component],
-            min,
-            max,
-        });
-    }
+    SetError::check(param, &ranges, values)?;
     let numbers = ranges.iter().zip(values);
     let numbers: Vec<String> = numbers
         .map(|(range, value)| shortest(*range, *value))
