@@ -2,8 +2,10 @@
 
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::document::PlacedChunk;
+use syntax::geotrace::highlight;
 use syntax::geotrace::symbols::SymbolKind;
 use syntax::geotrace::token::TokenKind;
+use syntax::highlight::HighlightKind;
 use syntax::span::Span;
 
 use super::analysis::{GeotraceAnalysis, lexeme};
@@ -48,16 +50,9 @@ fn token(
         TokenKind::Comment => plain(TokenType::Comment),
         TokenKind::Number(_) => plain(TokenType::Number),
         TokenKind::Declare(_) => plain(TokenType::Keyword),
-        TokenKind::Plus
-        | TokenKind::Minus
-        | TokenKind::Star
-        | TokenKind::Slash
-        | TokenKind::Caret
-        | TokenKind::Underscore
-        | TokenKind::Prime
-        | TokenKind::Bar
-        | TokenKind::Ampersand
-        | TokenKind::Backslash => plain(TokenType::Operator),
+        kind if highlight::kind(kind) == Some(HighlightKind::Operator) => {
+            plain(TokenType::Operator)
+        }
         TokenKind::Attribute(_) => plain(TokenType::Property),
         TokenKind::Word => plain(TokenType::EnumMember),
         TokenKind::Map(_) => (TokenType::Function, Modifiers::DEFAULT_LIBRARY),

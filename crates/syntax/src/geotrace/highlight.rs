@@ -69,7 +69,8 @@ impl Actions for Highlighter {
     }
 }
 
-fn kind(token: TokenKind) -> Option<HighlightKind> {
+/// Returns the kind of a token, apart from the names that a text declares; `None` for the end of the text.
+pub fn kind(token: TokenKind) -> Option<HighlightKind> {
     Some(match token {
         TokenKind::Comment => HighlightKind::Comment,
         TokenKind::Number(_) => HighlightKind::Number,
