@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use geometry::ManifoldError;
+
 use crate::style::{TextColours, escaped};
 
 /// The reason why a command failed.
@@ -58,6 +60,20 @@ impl Failure {
         Self::Usage {
             message: message.into(),
             hint: None,
+        }
+    }
+
+    /// Returns the failure of a command that needs a manifold.
+    pub(crate) fn no_manifold(error: &ManifoldError) -> Self {
+        let message = error.to_string();
+        match error {
+            ManifoldError::NoSurface { .. } => Self::usage(message),
+            ManifoldError::TooLarge { .. }
+            | ManifoldError::Flat { .. }
+            | ManifoldError::Empty { .. } => Self::Input {
+                message,
+                hint: None,
+            },
         }
     }
 

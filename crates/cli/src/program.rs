@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use geometry::{Manifold, ManifoldError};
+use geometry::Manifold;
 use ide::language::{Compiled, Language, Scope};
 use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Shape, Value};
 use syntax::diagnostic::Diagnostic;
@@ -118,17 +118,7 @@ impl LoadedProgram {
     /// [`Failure::Input`] if its derivatives are too large, [`Failure::Usage`] for other objects.
     pub(crate) fn manifold(&self, id: ObjectId, params: &ParamValues) -> Result<Manifold, Failure> {
         let manifold = Manifold::first(self.scene(), params, id);
-        manifold.map_err(|error| match &error {
-            ManifoldError::NoSurface { .. } => Failure::usage(error.to_string()),
-            ManifoldError::TooLarge { name } => Failure::Input {
-                message: format!("the derivatives of `{name}` are too large to be written out"),
-                hint: None,
-            },
-            ManifoldError::Flat { .. } | ManifoldError::Empty { .. } => Failure::Input {
-                message: error.to_string(),
-                hint: None,
-            },
-        })
+        manifold.map_err(|error| Failure::no_manifold(&error))
     }
 
     /// Returns the name of an object.

@@ -395,8 +395,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("`--backend software` draws without it".into()),
         },
-        RenderError::Manifold(ManifoldError::NoSurface { .. })
-        | RenderError::CameraOutside { .. }
+        RenderError::CameraOutside { .. }
         | RenderError::Camera(_)
         | RenderError::Size(_)
         | RenderError::Scale(_) => Failure::usage(message),
@@ -404,10 +403,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("the 3D view does without them".into()),
         },
-        RenderError::Manifold(ManifoldError::Flat { .. } | ManifoldError::Empty { .. }) => Failure::Input {
-            message,
-            hint: None,
-        },
+        RenderError::Manifold(error) => Failure::no_manifold(&error),
         RenderError::UndefinedCamera { .. } => Failure::Input {
             message,
             hint: Some("`--at U,V` puts it elsewhere".into()),

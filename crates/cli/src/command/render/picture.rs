@@ -15,7 +15,7 @@ use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
-use render::{PictureRequest, RenderError, ViewId, Views, most_traced_operations};
+use render::{PictureRequest, ViewId, Views, most_traced_operations};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
@@ -176,9 +176,7 @@ fn manifold(
     params: &ParamValues,
 ) -> Result<(ObjectId, Manifold), Failure> {
     let (id, _) = program.surface(Some(name))?;
-    let manifold = Manifold::first(program.scene(), params, id);
-    let manifold = manifold.map_err(|error| super::failure(RenderError::Manifold(error)))?;
-    Ok((id, manifold))
+    Ok((id, program.manifold(id, params)?))
 }
 
 fn overlays(arguments: &Arguments) -> Overlays {
