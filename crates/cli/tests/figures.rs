@@ -197,7 +197,7 @@ fn a_figure_that_is_not_finished_or_not_whole_is_noted() {
     std::fs::write(folder.path().join("a.gtr"), plane).expect("writing");
     let printed = noted("s=circle:0,0:5");
     assert!(
-        printed.contains("the circle is not whole: the ray"),
+        printed.contains("the circle is not complete: the ray"),
         "{printed}"
     );
 }

@@ -130,11 +130,8 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
             answer.note = note.map(str::to_owned);
         }
         Err(stop) => {
-            let degrees = stop.angle.to_degrees().rem_euclid(360.0);
-            answer.note = Some(format!(
-                "the circle is not complete: the ray at {degrees:.0}° ends after {}",
-                number(stop.length)
-            ));
+            let why = stop.clause(&number(stop.length));
+            answer.note = Some(format!("the circle is not complete: {why}"));
         }
     }
     answer

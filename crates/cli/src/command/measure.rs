@@ -8,7 +8,6 @@ use clap::{ArgGroup, Args};
 use geodesic::measure::{
     self, Circle, Connection, Connections, MeasureError, PlaceMeasures, RayStop,
 };
-use geodesic::status::Status;
 use geodesic::surface::Surface;
 use scene::ParamValues;
 use serde::Serialize;
@@ -397,18 +396,7 @@ fn note(found: &Connections, distance: Option<f64>) -> Option<String> {
 }
 
 pub(super) fn stopped(stop: &RayStop) -> String {
-    let degrees = stop.angle.to_degrees().rem_euclid(360.0);
-    let reason = match stop.status {
-        Status::LeftDomain => "leaves the domain",
-        Status::ConePoint => "runs into the tip of a cone",
-        Status::Degenerate => "reaches a point where σu and σv are parallel",
-        Status::Undefined => "reaches a point where the surface is undefined",
-        Status::Complete | Status::WorkLimit => "reaches the limit of evaluations",
-    };
-    format!(
-        "the ray {degrees:.2}° from σu towards σv {reason} after {}",
-        show_measured(stop.length)
-    )
+    stop.clause(&show_measured(stop.length))
 }
 
 fn refused(option: &str, error: &MeasureError) -> Failure {

@@ -44,6 +44,21 @@ pub struct RayStop {
     pub status: Status,
 }
 
+impl RayStop {
+    /// Returns a clause with the length as it is written: "the ray 45.00° from σu towards σv leaves the domain after 1.5".
+    pub fn clause(&self, length: &str) -> String {
+        let degrees = self.angle.to_degrees().rem_euclid(360.0);
+        let reason = match self.status {
+            Status::LeftDomain => "leaves the domain",
+            Status::ConePoint => "runs into the tip of a cone",
+            Status::Degenerate => "reaches a point where σu and σv are parallel",
+            Status::Undefined => "reaches a point where the surface is undefined",
+            Status::Complete | Status::WorkLimit => "reaches the limit of evaluations",
+        };
+        format!("the ray {degrees:.2}° from σu towards σv {reason} after {length}")
+    }
+}
+
 /// The relative error allowed to the quadrature, and to the rays themselves.
 const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 2e-10;

@@ -150,7 +150,7 @@ pub(super) fn partial_figures(
             if let FigureMeasures::Circle(_, Err(stop)) = finding {
                 let why = stopped(&stop);
                 notes.push(format!(
-                    "{}: the circle is not whole: {why}",
+                    "{}: the circle is not complete: {why}",
                     stated.option()
                 ));
             }
