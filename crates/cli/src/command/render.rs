@@ -19,7 +19,7 @@ use render::{Backend, Note, PictureRequest, RenderError, RenderedImage, ViewId, 
 
 use scene::Scene;
 
-use super::animation;
+use super::animation::{self, Animation};
 use crate::argument::{self, Assignment, Choice, Format, ObjectColour, Size, TextureFile};
 use crate::failure::Failure;
 use crate::interruption;
@@ -196,16 +196,27 @@ fn draw(
     mut program: LoadedProgram,
     context: &Context,
 ) -> Result<(), Failure> {
+    let views = &context.registry.views;
+    let extension = arguments.output.extension().unwrap_or_default();
+    let print = PrintFormat::of_extension(&extension.to_string_lossy());
+    if arguments.space.hidden_lines && print.is_none() {
+        return Err(Failure::usage(
+            "`--hidden-lines` requires vector output: write to an .svg or a .pdf",
+        ));
+    }
     let mut params = program.values(&arguments.set)?;
     arguments.motion.begin(&program, &mut params)?;
     program.run_for(&params)?;
     let program = &program;
-    let views = &context.registry.views;
     let images = textures(&arguments.texture, arguments.images.as_deref(), program)?;
     let request = picture::request(arguments, views, program, params, &images)?;
     let motion = &arguments.motion;
     let script = motion.script(program, &request)?;
     let animation = motion.animation(&arguments.output)?;
+    let is_refined = request.view.samples().is_some() && print.is_none();
+    if arguments.partial {
+        check_partial(animation.as_ref(), is_refined)?;
+    }
     let request = script.steady(&request);
     let request = request.map_err(|error| animation::failure(error, program))?;
     let mut notes = picture::idle_options(arguments, &request.view);
@@ -250,32 +261,8 @@ fn draw(
         picture.notes.extend(notes.map(Note::Remark));
         Ok(picture)
     };
-    let extension = arguments.output.extension().unwrap_or_default();
-    let print = PrintFormat::of_extension(&extension.to_string_lossy());
-    if arguments.partial {
-        let is_refined = request.view.samples().is_some() && print.is_none();
-        match &animation {
-            Some(animation) => animation.check_partial()?,
-            None if is_refined => {}
-            None => {
-                return Err(Failure::Usage {
-                    message: "--partial: there is no part of this picture that could be kept"
-                        .to_owned(),
-                    hint: Some(
-                        "it keeps the samples of a traced picture in a .png, or the pictures of an animation"
-                            .to_owned(),
-                    ),
-                });
-            }
-        }
-        if is_refined {
-            interruption::ask_for_end_first();
-        }
-    }
-    if arguments.space.hidden_lines && print.is_none() {
-        return Err(Failure::usage(
-            "`--hidden-lines` requires vector output: write to an .svg or a .pdf",
-        ));
+    if arguments.partial && is_refined {
+        interruption::ask_for_end_first();
     }
     let inputs = Inputs::new(&arguments.file, images.files());
     if let Some(animation) = animation {
@@ -296,6 +283,21 @@ fn draw(
     target.write(&png(&picture.image)?)?;
     output::print_error(&summary(&picture, &target.name(), &request, views));
     Ok(())
+}
+
+/// Refuses `--partial` where no part of the output could be kept.
+fn check_partial(animation: Option<&Animation>, is_refined: bool) -> Result<(), Failure> {
+    match animation {
+        Some(animation) => animation.check_partial(),
+        None if is_refined => Ok(()),
+        None => Err(Failure::Usage {
+            message: "--partial: there is no part of this picture that could be kept".to_owned(),
+            hint: Some(
+                "it keeps the samples of a traced picture in a .png, or the pictures of an animation"
+                    .to_owned(),
+            ),
+        }),
+    }
 }
 
 /// Draws a picture in layers and writes it for print.
