@@ -37,6 +37,13 @@ struct Open {
     shown: Option<String>,
 }
 
+/// A camera's move by a click that has been withdrawn.
+#[derive(Debug)]
+pub struct WithdrawnMove {
+    /// The surface whose camera was shown in space before the click.
+    pub shown: Option<String>,
+}
+
 impl Clicks {
     /// Notes a click at the time `now` in seconds, after [`Clicks::end`] has ended the last one. `now` is `None` for a
     /// key, which is never the first half of a double click. `shown` is the surface whose camera is shown in space.
@@ -64,13 +71,14 @@ impl Clicks {
         self.open = None;
     }
 
-    /// Withdraws the last click: it was the first half of a double click. If it has moved a camera, returns the surface
-    /// whose camera was shown in space before, which may be `None`.
-    pub fn withdraw(&mut self, model: &mut Model) -> Option<Option<String>> {
+    /// Withdraws the last click: it was the first half of a double click. Returns what it has changed, if it has moved a
+    /// camera.
+    pub fn withdraw(&mut self, model: &mut Model) -> Option<WithdrawnMove> {
         let open = self.open.take()?;
         self.withdrawn = Some(self.count);
         model.withdraw_placement();
-        open.surface.map(|_| open.shown)
+        let shown = open.shown;
+        open.surface.map(|_| WithdrawnMove { shown })
     }
 
     /// Returns the time until which another click may still follow the last one, or `None` if none may.

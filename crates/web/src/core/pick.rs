@@ -136,8 +136,8 @@ impl Core {
     /// # Errors
     /// The sentence that says why it cannot be found.
     pub(super) fn double_click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
-        if let Some(shown) = self.clicks.withdraw(&mut self.model) {
-            self.pictures.put_surface(shown);
+        if let Some(moved) = self.clicks.withdraw(&mut self.model) {
+            self.pictures.put_surface(moved.shown);
             self.note_motion();
         }
         let found = self.pick(id, at, false)?;

@@ -31,8 +31,8 @@ impl Window {
         if self.dialogs.measuring.is_open() {
             return;
         }
-        if let Some(shown) = self.input.clicks.withdraw(&mut self.model) {
-            self.focus.surface = shown;
+        if let Some(moved) = self.input.clicks.withdraw(&mut self.model) {
+            self.focus.surface = moved.shown;
         }
         self.pictures.render_thread.pick(request, at, Purpose::Open);
     }
