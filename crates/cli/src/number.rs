@@ -1,6 +1,6 @@
 //! Numbers in the arguments and in texts for people.
 
-pub(crate) use expr::number::grouped;
+pub(crate) use expr::number::{grouped, rounded};
 
 /// Parses a finite number of the command line.
 pub(crate) fn parse(text: &str) -> Result<f64, String> {
@@ -34,8 +34,7 @@ pub(crate) fn show(value: f64) -> String {
 
 /// Formats a measured number like [`show`], but with at most twelve significant digits, the accuracy of measuring.
 pub(crate) fn show_measured(value: f64) -> String {
-    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
-    show(rounded)
+    show(rounded(value, 12))
 }
 
 /// The relative error estimate from which a number is vague.
@@ -51,9 +50,8 @@ pub(crate) fn show_estimated(value: f64, estimate: f64) -> String {
     if !is_vague(value, estimate) || value == 0.0 || !value.is_finite() {
         return show_measured(value);
     }
-    let decimals = if estimate < value.abs() { 1 } else { 0 };
-    let rounded = format!("{value:.decimals$e}").parse().unwrap_or(value);
-    show(rounded)
+    let digits = if estimate < value.abs() { 2 } else { 1 };
+    show(rounded(value, digits))
 }
 
 /// Formats one number, or several as a tuple.

@@ -16,6 +16,17 @@ pub fn text(value: f64) -> String {
     }
 }
 
+/// Returns a number rounded to this many significant digits, at least one.
+///
+/// ```
+/// assert_eq!(expr::number::rounded(2.0 / 3.0, 3), 0.667);
+/// assert_eq!(expr::number::rounded(123_456.0, 2), 120_000.0);
+/// ```
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    let decimals = digits.saturating_sub(1);
+    format!("{value:.decimals$e}").parse().unwrap_or(value)
+}
+
 /// A whole number with its digits in groups of three.
 ///
 /// ```

@@ -1,5 +1,6 @@
 //! Measuring: the points that were clicked, their figure, and its measured quantities.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use render::figure::{Figure, FigureKind};
@@ -100,15 +101,18 @@ impl Quantity {
     }
 }
 
+/// The sizes of numbers that are displayed without an exponent.
+pub const PLAIN: Range<f64> = 1e-5..1e9;
+
 /// Formats a number with at most eight significant digits.
 pub fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.7e}").parse().unwrap_or(value);
+    let rounded = expr::number::rounded(value, 8);
     let size = rounded.abs();
     if rounded == 0.0 {
         "0".to_owned()
     } else if !rounded.is_finite() {
         "undefined".to_owned()
-    } else if (1e-5..1e9).contains(&size) {
+    } else if PLAIN.contains(&size) {
         format!("{rounded}")
     } else {
         format!("{rounded:e}")

@@ -224,7 +224,7 @@ fn in_short(place: String, curvature: Option<f64>, distance: Option<f64>) -> Str
 
 /// Formats a number with at most four significant digits.
 fn short(value: f64) -> String {
-    number(format!("{value:.3e}").parse().unwrap_or(value))
+    number(expr::number::rounded(value, 4))
 }
 
 /// Returns the distance and direction of a point from the camera, as quantities, and the distance itself. In a geodesic

@@ -237,5 +237,5 @@ fn thin(
 
 /// Returns a length rounded to two digits.
 fn brief(length: f64) -> f64 {
-    format!("{length:.1e}").parse().unwrap_or(length)
+    number::rounded(length, 2)
 }

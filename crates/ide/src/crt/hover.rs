@@ -1,5 +1,6 @@
 //! Descriptions of the words of a script.
 
+use expr::number::rounded;
 use scene::crt::{Assignment, EntityExtent};
 use syntax::crt::objects::{DefaultValue, FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
@@ -237,9 +238,8 @@ fn describe_entity(entity: &EntityExtent) -> String {
 
 /// Returns a number to six significant digits, without trailing zeros.
 fn short(number: f64) -> String {
-    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
     // No minus sign before a zero.
-    (rounded + 0.0).to_string()
+    (rounded(number, 6) + 0.0).to_string()
 }
 
 fn keyword(kind: TokenKind) -> Option<&'static str> {

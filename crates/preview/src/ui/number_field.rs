@@ -9,12 +9,8 @@ use egui::emath::Numeric;
 use egui::{DragValue, Id, Slider, Ui};
 use session::StatusMessage;
 use session::constant::{self, REFUSAL};
-use session::measuring::number;
+use session::measuring::{PLAIN, number};
 
-/// The sizes from which on numbers are displayed with an exponent.
-const LARGE: f64 = 1e9;
-/// Numbers below this are displayed with an exponent where so small ones are told apart.
-const SMALL: f64 = 1e-5;
 /// The number of decimals up to which small numbers are displayed without an exponent.
 const MOST_DECIMALS: usize = 9;
 
@@ -44,7 +40,7 @@ pub(crate) fn of_slider<'a>(
 pub(crate) fn displayed(value: f64, decimals: RangeInclusive<usize>) -> String {
     let (least, most) = decimals.into_inner();
     let size = value.abs();
-    if size >= LARGE || (most > MOST_DECIMALS && size > 0.0 && size < SMALL) {
+    if size >= PLAIN.end || (most > MOST_DECIMALS && size > 0.0 && size < PLAIN.start) {
         return number(value);
     }
     let text = format!("{value:.most$}");

@@ -415,6 +415,5 @@ impl Declarations {
 
 /// Returns a number to six digits.
 fn short(value: f64) -> String {
-    let rounded = format!("{value:.5e}").parse();
-    number::text(rounded.unwrap_or(value))
+    number::text(number::rounded(value, 6))
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use geodesic::measure::{Circle, Connection, Connections, PlaceMeasures, Triangle};
 
 use super::pair_text;
-use crate::number::{count, is_vague, show_all, show_estimated, show_measured};
+use crate::number::{count, is_vague, rounded, show_all, show_estimated, show_measured};
 
 /// The measures at a place of a surface with these parameters.
 pub(super) fn place(found: &PlaceMeasures, embedded: bool, parameters: &[String]) -> String {
@@ -40,7 +40,7 @@ at ({chart}) = {}
 
 /// A place or a vector to go on from: all digits but the last, which is rounding.
 fn show_pair(pair: [f64; 2]) -> String {
-    show_all(&pair.map(|x| format!("{x:.14e}").parse().unwrap_or(x)))
+    show_all(&pair.map(|x| rounded(x, 15)))
 }
 
 /// The error estimates of two numbers, with a warning where one is so large that most digits of its number mean nothing.

@@ -68,9 +68,7 @@ impl Images {
                 true => [" and less", " and more"],
                 false => ["", ""],
             };
-            // Rounded to four digits.
-            let rounded = format!("{most:.3e}").parse().unwrap_or(most);
-            let most = number::show(rounded);
+            let most = number::show(number::rounded(most, 4));
             Some(format!(
                 "`{}` shows its Gaussian curvature: -{most}{less} is blue, 0 white, {most}{more} red",
                 program.object_name(surface)?
