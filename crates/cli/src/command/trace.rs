@@ -10,7 +10,7 @@ use geodesic::surface::Surface;
 use geodesic::trace::{self, Options, Status, Trace, TraceError, TraceMethod};
 use geometry::SolidSurface;
 use render::PictureMethod;
-use scene::{ObjectId, ParamValues, Shape};
+use scene::{Object, ObjectId, ParamValues, Shape};
 use serde::Serialize;
 
 use crate::argument::{self, Assignment, Choice, Format, PlaceArgument, Quantity};
@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let options = options(arguments)?;
     let progress = Progress::of_unknown_length("following the geodesic");
     if object.shape.solid().is_some() {
-        let (from, trace) = on_solid(arguments, &program, &params, id, length, &options)?;
+        let (from, trace) = on_solid(arguments, &program, &params, (id, object), length, &options)?;
         drop(progress);
         let (document, text) = (document_in_space(&trace), text_in_space(&trace, from));
         return print(arguments, document, text, (trace.conjugates, trace.jacobi));
@@ -207,7 +207,7 @@ fn on_solid(
     arguments: &Arguments,
     program: &LoadedProgram,
     params: &ParamValues,
-    id: ObjectId,
+    (id, object): (ObjectId, &Object),
     length: f64,
     options: &Options,
 ) -> Result<([f64; 3], SpaceTrace), Failure> {
@@ -216,9 +216,6 @@ fn on_solid(
             "--method: rk4-pixel takes steps in (u, v), but a solid has no parameters",
         ));
     }
-    let Some(object) = program.scene().get(id) else {
-        return Err(Failure::usage("there is no solid"));
-    };
     // A script has other coordinates than its scene.
     let stated = |vector| program.scene().stated(vector);
     let given: [f64; 3] = program.place("--from", &arguments.from, params, object)?;
