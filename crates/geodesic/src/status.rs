@@ -17,3 +17,16 @@ pub enum Status {
     /// It used up its evaluations.
     WorkLimit,
 }
+
+impl Status {
+    /// Returns the reason for an early end on a surface with parameters, as the predicate of a sentence about the geodesic.
+    pub fn predicate(self) -> &'static str {
+        match self {
+            Self::LeftDomain => "leaves the domain",
+            Self::ConePoint => "runs into the tip of a cone",
+            Self::Degenerate => "reaches a point where σu and σv are parallel",
+            Self::Undefined => "reaches a point where the surface is undefined",
+            Self::Complete | Self::WorkLimit => "reaches the limit of evaluations",
+        }
+    }
+}

@@ -510,14 +510,8 @@ impl fmt::Display for GeodesicFault {
                 to: [c, d],
             } => write!(f, "no geodesic from ({a}, {b}) to ({c}, {d}) was found"),
             Self::Ends { end, at, status } => {
-                let why = match status {
-                    Status::LeftDomain => "it leaves the domain",
-                    Status::ConePoint => "it runs into the tip of a cone",
-                    Status::Degenerate => "σu and σv become parallel",
-                    Status::Undefined => "the surface is undefined there",
-                    Status::WorkLimit | Status::Complete => "it exceeds the limit of steps",
-                };
-                write!(f, "it ends at {end:.6}, before {at}: {why}")
+                let why = status.predicate();
+                write!(f, "it ends at {end:.6}, before {at}: it {why}")
             }
             Self::EndsInSpace { end, at, status } => {
                 let why = match status {

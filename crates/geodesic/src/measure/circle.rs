@@ -48,13 +48,7 @@ impl RayStop {
     /// Returns a clause with the length as it is written: "the ray 45.00° from σu towards σv leaves the domain after 1.5".
     pub fn clause(&self, length: &str) -> String {
         let degrees = self.angle.to_degrees().rem_euclid(360.0);
-        let reason = match self.status {
-            Status::LeftDomain => "leaves the domain",
-            Status::ConePoint => "runs into the tip of a cone",
-            Status::Degenerate => "reaches a point where σu and σv are parallel",
-            Status::Undefined => "reaches a point where the surface is undefined",
-            Status::Complete | Status::WorkLimit => "reaches the limit of evaluations",
-        };
+        let reason = self.status.predicate();
         format!("the ray {degrees:.2}° from σu towards σv {reason} after {length}")
     }
 }
