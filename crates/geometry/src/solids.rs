@@ -416,6 +416,14 @@ impl RayScene {
         }
     }
 
+    /// Returns the colour that the face of a solid's leaf has near a point that may be on no face; `None` where it is
+    /// undefined. `paint` provides the images of objects.
+    pub fn colour_beside(&self, leaf: usize, point: DVec3, paint: &Paint<'_>) -> Option<DVec3> {
+        let leaf = &self.content.leaves[leaf];
+        let look = &self.content.looks[leaf.look as usize];
+        look.colour_beside(&leaf.uniforms, &leaf.place, point, paint)
+    }
+
     /// Returns true if the look of a face may depend on the point.
     pub fn look_varies(&self, face: &Face) -> bool {
         match face.of {

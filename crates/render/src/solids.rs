@@ -248,7 +248,7 @@ impl<'a> SolidPainter<'a> {
         // A single sample at an edge is one of the four whose mean is taken.
         let is_averaged = self.is_smooth && offsets.len() > 1 && self.scene.look_varies(&face);
         let colour = match is_averaged {
-            true => self.mean_colour(&face, place, offsets),
+            true => self.mean_colour(&hit.crossing, look.colour, place, offsets),
             false => look.colour.clamp(DVec3::ZERO, DVec3::ONE),
         };
         let colour = colour.to_array();
@@ -259,19 +259,23 @@ impl<'a> SolidPainter<'a> {
         }
     }
 
-    /// Returns the mean linear colour of a face in a pixel: over samples at offsets from a position in the picture, and over
-    /// more places if their colours differ. The face is taken as its tangent plane.
-    fn mean_colour(&self, face: &Face, place: [f64; 2], offsets: &[[f64; 2]]) -> DVec3 {
+    /// Returns the mean linear colour of a face in a pixel, where it has the colour `middle` at a position in the picture:
+    /// over samples at offsets from it, and over more places if their colours differ. The face is taken as its tangent
+    /// plane, which is partly beside the face: where no colour is defined there, `middle` stands for it.
+    fn mean_colour(
+        &self,
+        face: &Crossing,
+        middle: DVec3,
+        place: [f64; 2],
+        offsets: &[[f64; 2]],
+    ) -> DVec3 {
         let colour = |offset: &[f64; 2]| {
             let ray = ray(self.camera, [0, 1].map(|k| place[k] + offset[k]));
             let t = face.normal.dot(face.position - ray.origin) / face.normal.dot(ray.direction);
             let is_near = (t - face.t).abs() <= MOST_ALONG * face.t;
-            let position = match is_near {
-                true => ray.origin + t * ray.direction,
-                false => face.position,
-            };
-            let look = self.scene.look(&Face { position, ..*face });
-            look.colour.clamp(DVec3::ZERO, DVec3::ONE)
+            let beside = is_near.then(|| ray.origin + t * ray.direction);
+            let colour = beside.and_then(|point| self.scene.colour_beside(face.leaf, point));
+            colour.unwrap_or(middle).clamp(DVec3::ZERO, DVec3::ONE)
         };
         let mean = |colours: &[DVec3]| colours.iter().sum::<DVec3>() / colours.len() as f64;
         let samples: Vec<DVec3> = offsets.iter().map(colour).collect();

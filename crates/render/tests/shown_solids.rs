@@ -286,6 +286,29 @@ fn a_pattern_finer_than_pixels_has_its_mean_colour() {
 }
 
 #[test]
+fn colours_that_are_defined_on_the_faces_alone_are_seen_without_a_note() {
+    let options = SpaceOptions::seen_from([0.0, -4.0, 0.4], [0.0; 3]);
+    let picture = |text: &str| {
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let mut renderer = Renderer::software();
+        let drawn = renderer.draw(&request(scene, options.clone()));
+        let drawn = drawn.expect("a picture");
+        assert_eq!(drawn.notes, [], "{text}");
+        renderer.read(drawn.image).expect("pixels")
+    };
+    let ball = "solid a(x,y,z) = x^2 + y^2 + z^2 - 1";
+    let root = picture(&format!("{ball}, color : (sqrt(1 - x^2 - y^2), 0, 0);"));
+    let same = picture(&format!("{ball}, color : (abs z, 0, 0);"));
+    keep("root", &root);
+    let (mean, far) = difference(&root, &same);
+    assert!(mean < 0.2 && far == 0.0, "{mean}, {far}");
+    picture(&format!("{ball}, color : ((1+x)/2, (1+y)/2, (1+z)/2);"));
+    picture(&format!("{ball}, color : abs x;"));
+    picture("solid a(x,y,z) = x^2 + y^2 - 1, z : [0,1], color : (z, 1-z, 0);");
+    picture("solid a(x,y,z) = max(abs x, abs y, abs z) - 1, color : (1+x)/2;");
+}
+
+#[test]
 fn what_lies_behind_a_solid_is_hidden_and_what_lies_before_it_is_seen() {
     let text = "point near = (0, -2, 0); point far = (0, 2, 0);";
     let eye = SpaceOptions::seen_from([0.0, -9.0, 0.0], [0.0; 3]);

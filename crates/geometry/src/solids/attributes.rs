@@ -3,7 +3,7 @@
 //! In: the attributes of an object or of a leaf, and the coordinates of a point. Out: numbers within their ranges, and
 //! the attributes that were out of range or undefined.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use expr::tape::{Registers, Tape};
@@ -150,6 +150,13 @@ struct AttributeFaults {
     undefined: AtomicU32,
 }
 
+/// The fault of an attribute's numbers at a point.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum NumberFault {
+    Undefined,
+    Clamped,
+}
+
 /// The numbers of an attribute at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AttributeNumbers {
@@ -288,7 +295,8 @@ impl AttributeSet {
         for (k, group) in self.groups.iter().enumerate() {
             evaluated(&group.tape, &[], uniforms, |out| {
                 let slots = group.slots.iter().filter(|slot| !slot.varies);
-                let numbers = slots.filter_map(|slot| self.read(slot, k, out));
+                let note = |slot: &Slot, fault| self.note(slot, fault);
+                let numbers = slots.filter_map(|slot| self.read(slot, k, out, note));
                 numbers.collect::<Vec<_>>().iter().for_each(&mut found);
             });
         }
@@ -320,6 +328,37 @@ impl AttributeSet {
         wanted: impl Fn(A) -> bool,
         uniforms: &[f64],
         variables: impl Fn(usize) -> [f64; 3],
+        found: impl FnMut(&AttributeNumbers),
+    ) {
+        let note = |slot: &Slot, fault| self.note(slot, fault);
+        self.each(wanted, uniforms, variables, note, found);
+    }
+
+    /// Passes the numbers of the `wanted` attributes to `found` as [`AttributeSet::of`] does, at a point that may be on no
+    /// face: faults there are not noted. Returns false if one of the attributes is undefined.
+    pub(super) fn beside(
+        &self,
+        wanted: impl Fn(A) -> bool,
+        uniforms: &[f64],
+        variables: impl Fn(usize) -> [f64; 3],
+        found: impl FnMut(&AttributeNumbers),
+    ) -> bool {
+        let is_undefined = Cell::new(false);
+        let note = |_: &Slot, fault| {
+            if fault == NumberFault::Undefined {
+                is_undefined.set(true);
+            }
+        };
+        self.each(wanted, uniforms, variables, note, found);
+        !is_undefined.get()
+    }
+
+    fn each(
+        &self,
+        wanted: impl Fn(A) -> bool,
+        uniforms: &[f64],
+        variables: impl Fn(usize) -> [f64; 3],
+        note: impl Fn(&Slot, NumberFault),
         mut found: impl FnMut(&AttributeNumbers),
     ) {
         for (k, group) in self.groups.iter().enumerate() {
@@ -332,21 +371,33 @@ impl AttributeSet {
             evaluated(&group.tape, &place, uniforms, |out| {
                 let slots = group.slots.iter().filter(|slot| wanted(slot.attribute));
                 for (slot, into) in slots.zip(&mut all) {
-                    *into = self.read(slot, k, out);
+                    *into = self.read(slot, k, out, &note);
                 }
             });
             all.iter().flatten().for_each(&mut found);
         }
     }
 
-    /// Returns the numbers of a slot; `None` where they are undefined.
-    fn read(&self, slot: &Slot, group: usize, out: &[f64]) -> Option<AttributeNumbers> {
+    fn note(&self, slot: &Slot, fault: NumberFault) {
+        let bits = match fault {
+            NumberFault::Undefined => &self.faults.undefined,
+            NumberFault::Clamped => &self.faults.clamped,
+        };
+        bits.fetch_or(slot.attribute.bit(), Ordering::Relaxed);
+    }
+
+    /// Returns the numbers of a slot; `None` where they are undefined. Passes faults to `note`.
+    fn read(
+        &self,
+        slot: &Slot,
+        group: usize,
+        out: &[f64],
+        note: impl Fn(&Slot, NumberFault),
+    ) -> Option<AttributeNumbers> {
         let attribute = slot.attribute;
         let given = &out[slot.first..slot.first + slot.width];
         if given.iter().any(|number| !number.is_finite()) {
-            self.faults
-                .undefined
-                .fetch_or(attribute.bit(), Ordering::Relaxed);
+            note(slot, NumberFault::Undefined);
             return None;
         }
         let [least, most] = attribute.range(self);
@@ -357,9 +408,7 @@ impl AttributeSet {
             let is_rounding =
                 (*value - number).abs() <= ROUNDING && (least <= 0.0 || *value > least);
             if *value != number && !is_rounding {
-                self.faults
-                    .clamped
-                    .fetch_or(attribute.bit(), Ordering::Relaxed);
+                note(slot, NumberFault::Clamped);
             }
         }
         Some(AttributeNumbers {

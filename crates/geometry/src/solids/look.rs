@@ -184,17 +184,7 @@ impl LookProgram {
             let image = image.map(|at| [at.x, at.y]);
             return self.painted(*look, image, &|| POINT, 0, paint);
         }
-        let variables_at = |position: DVec3, group: usize| match place {
-            FacePlace::Anywhere(_) => [f64::NAN; 3],
-            FacePlace::Within(frames) => frames[group].transform_point3(position).to_array(),
-            FacePlace::Along(along) => {
-                let (map, [from, to]) = &**along;
-                let z = map.transform_point3(position).z;
-                let share = (0.5 + 0.5 * z).clamp(0.0, 1.0);
-                [from + share * (to - from), f64::NAN, f64::NAN]
-            }
-        };
-        let variables = |group: usize| variables_at(face.position, group);
+        let variables = |group: usize| place.variables(face.position, group);
         let side = if entering { 1.0 } else { -1.0 };
         let mut look = self.plain();
         let mut image = None;
@@ -213,10 +203,32 @@ impl LookProgram {
             let Some(middle) = image else { return POINT };
             face.footprint().map(|side| {
                 let beside = face.position + side;
-                self.image_side(uniforms, middle, |group| variables_at(beside, group))
+                self.image_side(uniforms, middle, |group| place.variables(beside, group))
             })
         };
         self.painted(look, image, &sides, 0, paint)
+    }
+
+    /// Returns the colour near a solid's face, at a point that may be on no face; `None` where it is undefined.
+    pub(super) fn colour_beside(
+        &self,
+        uniforms: &[f64],
+        place: &FacePlace,
+        position: DVec3,
+        paint: &Paint<'_>,
+    ) -> Option<DVec3> {
+        let (mut look, mut image) = (self.plain(), None);
+        let is_defined = self.attributes.beside(
+            |attribute| matches!(attribute, A::Colour | A::Glass | A::Uv),
+            uniforms,
+            |group| place.variables(position, group),
+            |numbers| match numbers.attribute {
+                A::Uv => image = Some([numbers.vector().x, numbers.vector().y]),
+                _ => self.apply(&mut look, numbers),
+            },
+        );
+        let colour = || self.painted(look, image, &|| POINT, 0, paint).colour;
+        is_defined.then(colour)
     }
 
     /// Returns the look of a parametric surface's face at its parameters.
@@ -278,12 +290,12 @@ impl LookProgram {
         variables: impl Fn(usize) -> [f64; 3],
     ) -> [f64; 2] {
         let mut side = [0.0; 2];
-        self.attributes.at(uniforms, variables, |numbers| {
-            if numbers.attribute == A::Uv {
+        let is_uv = |attribute| attribute == A::Uv;
+        self.attributes
+            .beside(is_uv, uniforms, variables, |numbers| {
                 let at = numbers.vector();
                 side = [at.x - middle[0], at.y - middle[1]].map(|way| way - way.round());
-            }
-        });
+            });
         side
     }
 
@@ -336,6 +348,20 @@ impl FacePlace {
     /// Returns the coordinates of a look that is the same everywhere.
     pub(super) fn anywhere() -> Self {
         Self::Anywhere(OnceLock::new())
+    }
+
+    /// Returns the coordinates of a point for a group of attributes.
+    fn variables(&self, position: DVec3, group: usize) -> [f64; 3] {
+        match self {
+            Self::Anywhere(_) => [f64::NAN; 3],
+            Self::Within(frames) => frames[group].transform_point3(position).to_array(),
+            Self::Along(along) => {
+                let (map, [from, to]) = &**along;
+                let z = map.transform_point3(position).z;
+                let share = (0.5 + 0.5 * z).clamp(0.0, 1.0);
+                [from + share * (to - from), f64::NAN, f64::NAN]
+            }
+        }
     }
 }
 

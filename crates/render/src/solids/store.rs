@@ -201,11 +201,19 @@ impl SolidScene {
 
     /// Returns the look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
-        let paint = |image: FaceImage, part: &ImagePart<'_>| {
-            let [image, colour] = self.images.colours(image, part)?;
-            Some(image * colour)
-        };
+        let paint = |image: FaceImage, part: &ImagePart<'_>| self.painted(image, part);
         self.rays.look(face, &paint)
+    }
+
+    /// Returns the colour that the face of a leaf has near a point that may be on no face; `None` where it is undefined.
+    pub(crate) fn colour_beside(&self, leaf: usize, point: DVec3) -> Option<DVec3> {
+        let paint = |image: FaceImage, part: &ImagePart<'_>| self.painted(image, part);
+        self.rays.colour_beside(leaf, point, &paint)
+    }
+
+    fn painted(&self, image: FaceImage, part: &ImagePart<'_>) -> Option<DVec3> {
+        let [image, colour] = self.images.colours(image, part)?;
+        Some(image * colour)
     }
 
     /// Returns true if the look of a face may depend on the point.
