@@ -433,13 +433,12 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
         } else {
             share *= left;
             if together_t < ENDLESS {
-                for (var k = 0u; k < together_count; k++) {
-                    if is_seen(k) {
-                        let other = material_of(k);
-                        share *= materials[other].glass;
-                        if (materials[other].varies & VARIES_THROUGH) != 0u {
-                            is_marked = true;
-                        }
+                let passed_face = seen_first();
+                if passed_face != NONE {
+                    let other = material_of(passed_face);
+                    share *= materials[other].glass;
+                    if (materials[other].varies & VARIES_THROUGH) != 0u {
+                        is_marked = true;
                     }
                 }
                 enters = any(share != vec3f(0.0));

@@ -434,6 +434,59 @@ fn glass_gives_its_colour_to_shadows() {
 }
 
 #[test]
+fn faces_at_one_place_let_light_through_as_one() {
+    let [u, v, _] = &variables();
+    let [_, _, z] = variables();
+    let pane = |height: f64| {
+        let position = [u.node(), v.node(), u.number(height).node()];
+        Sheet::new(&u.graph(), position, [[-9.0, 9.0]; 2], &|_| f64::NAN).unwrap()
+    };
+    let ground = &z + 2.0;
+    let slab = (&z - 0.5).abs() - 0.5;
+    let below = (&z + 0.5).abs() - 0.5;
+    // The glass on the way, and the number of places at which light passes a face of it.
+    let cases = [
+        (vec![&slab], vec![], 2),
+        (vec![&slab, &slab], vec![], 2),
+        (vec![&slab, &below], vec![], 3),
+        (vec![&slab], vec![1.0], 2),
+        (vec![&slab, &below], vec![0.0, 1.0, 1.5], 4),
+        (vec![], vec![0.5, 0.5], 1),
+    ];
+    let lights = [light(LightKind::Parallel(DVec3::NEG_Z))];
+    for (glass, panes, places) in cases {
+        let formulas = [&ground].into_iter().chain(glass).cloned();
+        let world = solids(&formulas.collect::<Vec<_>>());
+        let sheets = Sheets::new(panes.iter().map(|&height| pane(height)).collect());
+        let look = |face: &Face| match solid(face) {
+            0 => matt(DVec3::ONE),
+            _ => FaceLook {
+                glass: 0.6,
+                ..clear(DVec3::ONE)
+            },
+        };
+        let glass = Glass {
+            ior: 1.0,
+            ..Glass::default()
+        };
+        let scenery = Scenery {
+            glass: &[None, Some(glass), Some(glass)],
+            lights: &lights,
+            ..scenery(&world, &sheets, &look)
+        };
+        let mut tracer = LightTracer::new(&scenery);
+        let share = 0.6f64.powi(places);
+        let [beside, through] = [-1.5, 3.0].map(|height| {
+            let eye = DVec3::new(0.1, 0.2, height);
+            seen(&mut tracer, eye, DVec3::NEG_Z).x
+        });
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12;
+        let is_one = close(beside, share) && close(through, share * share);
+        assert!(is_one, "{places} places, {panes:?}: {beside}, {through}");
+    }
+}
+
+#[test]
 fn an_eye_within_glass_sees_its_colour() {
     let no_sheets = Sheets::default();
     let [_, _, z] = variables();

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use super::Face;
 use super::crt::{self, PARALLEL_REACH};
-use super::paths::{LightPath, LightTracer, Medium, MetFace, SurfaceNumber, kept};
+use super::paths::{LightPath, LightTracer, Medium, MetFace, SurfaceNumber, flush_with, kept};
 use crate::light::{FaceBlock, Light, SeenBlock, SeenLight};
 use crate::look::PictureLook;
 use crate::sheets::SheetsRay;
@@ -344,10 +344,17 @@ impl LightTracer<'_> {
         let mut share = DVec3::ONE;
         let mut media = media.to_vec();
         let mut way = 0.0;
+        // The places of the faces so far: those at one place are one face, as for a ray from the eye.
+        let mut places: Vec<f64> = Vec::new();
         self.caster.each_before(index, distance, &mut |passed| {
             let look = look(&passed.into()).balanced();
             if scenery.is_seen(passed) {
-                share *= look.glass;
+                if look.glass == 0.0 {
+                    share = DVec3::ZERO;
+                } else if places.last() != Some(&passed.t) {
+                    share *= look.glass;
+                    places.push(passed.t);
+                }
             }
             if share == DVec3::ZERO {
                 return false;
@@ -363,7 +370,14 @@ impl LightTracer<'_> {
                 .sheets
                 .cast(&mut self.sheets, ray, &mut |sheet, hit| {
                     if scenery.sees(hit) {
-                        share *= look(&Face::on_sheet(sheet, hit)).balanced().glass;
+                        let glass = look(&Face::on_sheet(sheet, hit)).balanced().glass;
+                        let [least, most] = flush_with(hit.t, ray.origin);
+                        if glass == 0.0 {
+                            share = DVec3::ZERO;
+                        } else if !places.iter().any(|&t| least <= t && t <= most) {
+                            share *= glass;
+                            places.push(hit.t);
+                        }
                     }
                     // Behind what is opaque nothing changes.
                     if share == DVec3::ZERO { 0.0 } else { distance }

@@ -148,6 +148,12 @@ pub(super) fn kept(media: &[Medium], length: f64) -> DVec3 {
     }
 }
 
+/// The parameters between which a parametric surface is flush with a face at `t` on a ray from `origin`.
+pub(super) fn flush_with(t: f64, origin: DVec3) -> [f64; 2] {
+    let error = FLUSH * (t + origin.abs().max_element());
+    [t - error, t + error]
+}
+
 impl<'a> LightTracer<'a> {
     /// Begins with a scenery.
     pub fn new(scenery: &'a Scenery<'a>) -> Self {
@@ -493,10 +499,8 @@ impl Scenery<'_> {
         start: Start,
         seen: Option<&Crossing>,
     ) -> (Option<(Face, Start)>, Option<SheetPlace>) {
-        let [before, mut reach] = seen.map_or([f64::INFINITY; 2], |seen| {
-            let error = FLUSH * (seen.t + ray.origin.abs().max_element());
-            [seen.t - error, seen.t + error]
-        });
+        let [before, mut reach] =
+            seen.map_or([f64::INFINITY; 2], |seen| flush_with(seen.t, ray.origin));
         let (mut found, mut flush) = (None, None);
         let ray = SheetsRay {
             origin: ray.origin,
