@@ -895,7 +895,7 @@ fn of_text(text: &str) -> RayScene {
 }
 
 #[test]
-fn only_a_spherical_camera_sees_half_a_turn_or_more() {
+fn only_the_fov_of_a_spherical_camera_is_half_a_turn_or_more() {
     for (states, expected) in [
         ("projection : spherical, fov : 2pi", 2.0 * PI),
         ("projection : cylindrical, fov : 0.9pi", 0.9 * PI),
@@ -911,6 +911,26 @@ fn only_a_spherical_camera_sees_half_a_turn_or_more() {
         let fov = scene.cameras()[0].lens.fov;
         assert!(fov < PI && fov > 0.99 * PI, "{fov}");
         assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("fov"));
+    }
+}
+
+#[test]
+fn a_spherical_camera_sees_half_a_right_angle_up_and_down() {
+    // What its pictures show at their top, as docs/solids.md says.
+    let top = |fov: f64| {
+        let scene = of_text(&format!(
+            "camera c = (1,0,0) @ (0,0,0), fov : {fov}, projection : spherical;"
+        ));
+        let (_, direction) = scene.cameras()[0].lens.ray([40, 40], [20.0, 0.0], [0.5; 2]);
+        direction.z.atan2(direction.x)
+    };
+    for (fov, elevation) in [
+        (FRAC_PI_2, 0.5f64.sqrt().atan()),
+        (PI, PI / 4.0),
+        (2.0 * PI, 0.0),
+    ] {
+        let found = top(fov);
+        assert!((found - elevation).abs() < 1e-9, "{fov}: {found}");
     }
 }
 

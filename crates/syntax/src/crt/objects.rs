@@ -251,7 +251,7 @@ objects! {
     Camera Camera "a camera, from which the scene is seen" {
         "position" VECTOR, "", Required, "its position";
         "pointing" VECTOR, "", Required, "the point that it looks at";
-        "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 unless the camera is spherical";
+        "fov" OPENING, "degrees", Required, "the vertical field of view, below 180; a spherical camera sees 90 with 180, and no more with a larger number";
         "aperture" NOT_NEGATIVE, "", number(3.0), "the radius of the lens, in 720ths of the unit of length";
         "focaldistance" POSITIVE, "", number(0.5), "the distance of the plane in focus";
         "apertureshape" SHAPES, "", DefaultValue::Text("circle"), "the shape of the lens";

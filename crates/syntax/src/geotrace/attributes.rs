@@ -150,7 +150,7 @@ attributes! {
     Size on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
         "the radius of the light source; larger sources cast softer shadows", "size : 0.3";
     Fov on &[Camera], AttributeType::Number(AttributeRange::TURN), "pi/4",
-        "the vertical field of view, in radians: below pi unless the camera is spherical", "fov : 75pi/180";
+        "the vertical field of view, in radians, below pi; a spherical camera sees pi/2 with pi, and no more with a larger number", "fov : 75pi/180";
     Focus on &[Camera], AttributeType::Number(AttributeRange::POSITIVE), "the length of the direction",
         "the distance of the plane in focus", "focus : 3";
     Aperture on &[Camera], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
