@@ -872,6 +872,22 @@ fn an_endless_solid_is_reported_with_the_intervals_that_it_needs() {
             "x",
             "`x : [-3, 3]`",
         ),
+        ("solid p(x,y,z) = x^2+y^2-1;", "z", "`z : [-3, 3]`"),
+        (
+            "solid p(a,b,c) = c^2-1;",
+            "a and b",
+            "`a : [-3, 3], b : [-3, 3]`",
+        ),
+        (
+            "solid p(y,z) = y, z : [0, 1];",
+            "y and x",
+            "`y : [-3, 3], x : [-3, 3]`, which needs the parameter x: `solid p(y, z, x)`",
+        ),
+        (
+            "solid part(a,b,c) = a^2+b^2-1; solid p = part;",
+            "z",
+            "`z : [-3, 3]`",
+        ),
         (
             "function f(x,y) = x^2+y^2-1; solid p = f \\ f @ scale 0.5;",
             "z",
@@ -893,6 +909,8 @@ fn an_endless_solid_is_reported_with_the_intervals_that_it_needs() {
         "solid p(x,y,z) = x^2+y^2-1, z : [-3, 3];",
         "function f(x,y) = x^2+y^2-1; solid p = f \\ f @ scale 0.5, z : [-3, 3];",
         "solid p(x,y,z) = x, x : [-3, 3], y : [0, 1], z : [-3, 3];",
+        "solid p(a,b,c) = c^2-1, a : [-3, 3], b : [-3, 3];",
+        "solid p(y,z,x) = y, z : [0, 1], y : [-3, 3], x : [-3, 3];",
     ] {
         assert!(Solid::of_obj(&exported(cut)).is_watertight(), "{cut}");
     }

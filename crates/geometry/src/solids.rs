@@ -130,8 +130,8 @@ struct RaySolid {
     object: usize,
     /// The length of a mesh cell stated by its intervals.
     stated_cell: Option<f64>,
-    /// True if it is given by a function that does not depend on z, which its declaration need not name.
-    is_prism: bool,
+    /// The names of the coordinates in its declaration; see [`Solid::parameters`].
+    parameters: Option<Arc<[Box<str>]>>,
     /// The index of the name of its first leaf.
     first_name: u32,
 }
@@ -368,6 +368,11 @@ impl RayScene {
         notes.any(|note| note.fault == RayFault::TooMuchWork)
     }
 
+    /// Returns true if the scene is that of a script.
+    pub fn is_script(&self) -> bool {
+        self.content.is_script
+    }
+
     /// Returns the formulas of the picture.
     pub fn picture_look(&self) -> PictureLook {
         self.content.picture_look
@@ -494,16 +499,33 @@ impl RayScene {
         bounds.is_some_and(|bounds| bounds.is_empty())
     }
 
+    /// Returns the names of the coordinates of a solid of the world, also of the one that the declaration of a prism omits.
+    pub fn coordinates(&self, solid: usize) -> [&str; 3] {
+        match self.content.solids[solid].parameters.as_deref() {
+            Some([a, b, c]) => [a, b, c],
+            Some([a, b]) => {
+                let is_free = |name: &&str| ![&**a, b].contains(name);
+                [
+                    a,
+                    b,
+                    ["z", "y", "x"].into_iter().find(is_free).unwrap_or("z"),
+                ]
+            }
+            _ => ["x", "y", "z"],
+        }
+    }
+
     /// Returns the axes along which a solid of the world has no bound, as advice to cut it.
     pub fn missing_cuts(&self, solid: usize) -> MissingCuts {
         let is_script = self.content.is_script;
         let [x, y, z] = self.world.unbounded_axes(solid);
+        let parameters = self.content.solids[solid].parameters.as_deref();
+        let is_prism = matches!(parameters, Some([_, _]));
         MissingCuts {
             axes: if is_script { [x, z, y] } else { [x, y, z] },
+            coordinates: self.coordinates(solid).map(str::to_owned),
             is_script,
-            prism: self.content.solids[solid]
-                .is_prism
-                .then(|| self.object_of_solid(solid).name.clone()),
+            prism: is_prism.then(|| self.object_of_solid(solid).name.clone()),
         }
     }
 

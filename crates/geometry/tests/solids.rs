@@ -141,7 +141,7 @@ impl Writer {
         let solid = Solid {
             leaves,
             steps: steps.to_vec(),
-            front: None,
+            ..Solid::default()
         };
         self.declare(name, Shape::Solid(solid.into()), grids, Vec::new());
     }

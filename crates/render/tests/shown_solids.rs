@@ -113,7 +113,7 @@ impl Builder {
                 Solid {
                     leaves,
                     steps,
-                    front: None,
+                    ..Solid::default()
                 }
                 .into(),
             ),
@@ -626,7 +626,7 @@ fn a_solid_that_no_ray_meets_is_noted() {
 fn an_endless_solid_that_nothing_frames_is_noted() {
     let note = "`s` may be unbounded, so the picture does not frame it: no bound was found along z; cut it by \
                 `z : [-3, 3]`, which needs the parameter z: `solid s(x, y, z)`";
-    let endless = "solid s(x,y,z) = x^2 + y^2 - 1;";
+    let endless = "solid s(x,y) = x^2 + y^2 - 1;";
     let cases = [
         (endless.to_owned(), true),
         (

@@ -18,6 +18,9 @@ pub struct Solid {
     /// The only leaf whose faces are visible and cast shadows, from outside only; if `None`, all faces do, from both
     /// sides.
     pub front: Option<u32>,
+    /// The names of the coordinates in its declaration: two of a prism, otherwise three; none of a set, whose coordinates
+    /// are x, y and z.
+    pub parameters: Option<Arc<[Box<str>]>>,
 }
 
 /// A step of a set in postfix order: operands, then the operation on the last two.

@@ -119,7 +119,7 @@ pub(super) fn meshed(
             "`{name}` is meshed with {MOST_CELLS} cells along its longest side, the maximum: its counts request {asked}"
         ));
     }
-    notes.extend(thin(name, &bounds, cells, &found, scene.is_script()));
+    notes.extend(thin(&rays, &bounds, cells, &found));
     (Some((mesh, colours)), notes)
 }
 
@@ -191,13 +191,8 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
 
 /// Returns a sentence about the parts that a mesh lacks because they are thinner than a cell, and what makes the cells
 /// smaller; the solids of a script have no counts.
-fn thin(
-    name: &str,
-    bounds: &BoundingBox,
-    cells: u32,
-    found: &SolidMesh,
-    is_script: bool,
-) -> Option<String> {
+fn thin(rays: &RayScene, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Option<String> {
+    let name = &rays.object_of_solid(0).name;
     let sides = bounds.upper - bounds.lower;
     let longest = sides.max_element();
     let cell = number::text(brief(longest / f64::from(cells)));
@@ -224,10 +219,10 @@ fn thin(
     let unit = 10f64.powi(2 - longest.log10().floor() as i32);
     let low = (bounds.lower[axis] * unit + ROUNDING).floor() / unit;
     let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
-    let axis = ["x", "y", "z"][axis];
+    let axis = rays.coordinates(0)[axis];
     let [low, high] = [low, high].map(number::text);
     let counts = format!("`{axis} : [{low}, {high}, {MOST_CELLS}]`");
-    Some(match is_script {
+    Some(match rays.is_script() {
         true => format!(
             "{text}; `geotrace convert` makes a program of the script, where counts make the cells smaller: {counts}"
         ),

@@ -103,7 +103,7 @@ impl<'a> Draft<'a> {
         let ray_solid = RaySolid {
             object: self.object(id, object),
             stated_cell: expanded.stated_cell(solid),
-            is_prism: is_prism(self.scene, object, solid),
+            parameters: solid.parameters.clone(),
             first_name: first[1],
         };
         self.add_looks(id, object, solid);
@@ -267,7 +267,7 @@ impl<'a> Draft<'a> {
         let ray_solid = RaySolid {
             object: self.object(Some(id), object),
             stated_cell: None,
-            is_prism: false,
+            parameters: None,
             first_name: self.content.names.len() as u32,
         };
         let colour = (self.options.colour)(id);
@@ -382,16 +382,4 @@ impl<'a> Draft<'a> {
             content: self.content,
         }
     }
-}
-
-/// Returns true if a solid is given by a function, and not by a set, and the function does not depend on z.
-fn is_prism(scene: &Scene, object: &Object, solid: &Solid) -> bool {
-    let [leaf] = &solid.leaves[..] else {
-        return false;
-    };
-    leaf.name == object.name
-        && !scene
-            .graph
-            .inputs(&[leaf.field])
-            .contains(&Input::Variable(2))
 }

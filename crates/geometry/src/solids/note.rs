@@ -61,16 +61,19 @@ pub enum RayFault {
 pub struct MissingCuts {
     /// True for x, y and z of the text if no bound along the axis was found.
     pub axes: [bool; 3],
+    /// The names of the axes.
+    pub coordinates: [String; 3],
     /// True for a solid of a script.
     pub is_script: bool,
-    /// The name of a solid whose declaration must name z before it can cut it.
+    /// The name of a solid whose declaration must name its last coordinate before it can cut it.
     pub prism: Option<String>,
 }
 
 impl std::fmt::Display for MissingCuts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let axes = ["x", "y", "z"].into_iter().zip(self.axes);
-        let missing: Vec<&str> = axes.filter(|(_, is)| *is).map(|(axis, _)| axis).collect();
+        let axes = self.coordinates.iter().zip(self.axes);
+        let missing = axes.filter(|(_, is)| *is).map(|(axis, _)| &**axis);
+        let missing: Vec<&str> = missing.collect();
         let along = match &missing[..] {
             [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
             all => all.concat(),
@@ -90,7 +93,12 @@ impl std::fmt::Display for MissingCuts {
         write!(f, "cut it by `{cuts}`")?;
         match &self.prism {
             Some(name) if self.axes[2] => {
-                write!(f, ", which needs the parameter z: `solid {name}(x, y, z)`")
+                let [_, _, last] = &self.coordinates;
+                let all = self.coordinates.join(", ");
+                write!(
+                    f,
+                    ", which needs the parameter {last}: `solid {name}({all})`"
+                )
             }
             _ => Ok(()),
         }

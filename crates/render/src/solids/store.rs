@@ -35,8 +35,30 @@ pub(crate) struct SolidStore {
     pub(crate) built: u64,
 }
 
-/// The solids that a picture shows, each with its name and its content, and the images.
-type ShownContents = (Vec<(ObjectId, String, Content)>, ImagesKey);
+/// The solids that a picture shows, and the images.
+type ShownContents = (Vec<ShownSolid>, ImagesKey);
+
+/// A solid that a picture shows. Notes contain the names of the solid and of its coordinates.
+#[derive(Clone, Debug, PartialEq)]
+struct ShownSolid {
+    id: ObjectId,
+    name: String,
+    parameters: Option<Arc<[Box<str>]>>,
+    content: Content,
+}
+
+impl ShownSolid {
+    fn new(scene: &Scene, id: ObjectId, content: Content) -> Self {
+        let object = scene.get(id);
+        let solid = object.and_then(|object| object.shape.solid());
+        Self {
+            id,
+            name: object.map_or_else(String::new, |object| object.name.clone()),
+            parameters: solid.and_then(|solid| solid.parameters.clone()),
+            content,
+        }
+    }
+}
 
 /// The images of objects: those that were chosen, and those that the program names.
 type ImagesKey = (
@@ -97,10 +119,9 @@ impl SolidStore {
         let objects = request.scene.numbered().zip(contents);
         let shown = objects
             .filter(|((id, object), _)| object.shape.solid().is_some() && !hidden.contains(id));
-        // Notes contain the name of the solid.
-        let shown: Vec<(ObjectId, String, Content)> = shown
-            .map(|((id, object), content)| (id, object.name.clone(), content.clone()))
-            .collect();
+        let shown =
+            shown.map(|((id, _), content)| ShownSolid::new(&request.scene, id, content.clone()));
+        let shown: Vec<ShownSolid> = shown.collect();
         if shown.is_empty() {
             return None;
         }
@@ -114,8 +135,7 @@ impl SolidStore {
         id: ObjectId,
         content: Content,
     ) -> Arc<SolidScene> {
-        let name = request.scene.get(id).map_or("", |object| &object.name);
-        let shown = vec![(id, name.to_owned(), content)];
+        let shown = vec![ShownSolid::new(&request.scene, id, content)];
         kept(&mut self.inside, &mut self.built, request, shown)
     }
 
@@ -158,7 +178,7 @@ fn kept(
     last: &mut Option<(ShownContents, Arc<SolidScene>)>,
     built: &mut u64,
     request: &PictureRequest,
-    shown: Vec<(ObjectId, String, Content)>,
+    shown: Vec<ShownSolid>,
 ) -> Arc<SolidScene> {
     let shown = (shown, images_of(request));
     if let Some((known, solids)) = last
@@ -166,7 +186,7 @@ fn kept(
     {
         return solids.clone();
     }
-    let is_shown = |id: ObjectId| shown.0.iter().any(|(known, ..)| *known == id);
+    let is_shown = |id: ObjectId| shown.0.iter().any(|known| known.id == id);
     let solids = Arc::new(SolidScene::new(request, &is_shown));
     *built += 1;
     *last = Some((shown, solids.clone()));

@@ -49,7 +49,7 @@ pub(crate) struct DeclaredSolid {
     pub(crate) set: PointSet,
     /// The set without its own cuts, if it has any that are a leaf.
     pub(crate) uncut: Option<Arc<Solid>>,
-    pub(crate) parameters: Box<[Box<str>]>,
+    pub(crate) parameters: Arc<[Box<str>]>,
     /// The params that its function reads.
     pub(crate) value_dependencies: Dependencies,
     /// These, and the params that its attributes and those of its parts read.
@@ -86,9 +86,9 @@ impl PointSet {
     pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
         Self {
             solid: Arc::new(Solid {
-                front: None,
                 leaves: vec![leaf],
                 steps: vec![SolidStep::Leaf(0)],
+                ..Solid::default()
             }),
             size: 1,
             ..Self::default()

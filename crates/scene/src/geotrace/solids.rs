@@ -73,15 +73,14 @@ impl Declarations {
         self.check_leaves(declaration, set.size)?;
         let (value_params, params) = (self.without_grids(own), self.without_grids(dependencies));
         let size = set.size;
-        let parameters = match is_set {
-            true => COORDINATES.map(Box::from).into(),
-            false => {
-                let names = declaration.parameters.iter();
-                names
-                    .map(|parameter| parameter.name.as_str().into())
-                    .collect()
-            }
-        };
+        let names = declaration.parameters.iter();
+        let stated: Option<Arc<[Box<str>]>> =
+            (!is_set).then(|| names.map(|it| it.name.as_str().into()).collect());
+        // Writing would copy the leaves of a solid that is shared.
+        if set.solid.parameters != stated {
+            Arc::make_mut(&mut set.solid).parameters.clone_from(&stated);
+        }
+        let parameters = stated.unwrap_or_else(|| COORDINATES.map(Box::from).into());
         let solid = Arc::clone(&set.solid);
         let meaning = Meaning::Solid(Arc::new(DeclaredSolid {
             set,
