@@ -935,6 +935,26 @@ fn a_spherical_camera_sees_half_a_right_angle_up_and_down() {
 }
 
 #[test]
+fn glass_of_share_0_has_the_colour_of_opaque_solids() {
+    let colour = |states: &str| {
+        let text = "param a = 0 : [0, 1]; solid b(x,y,z) = x^2 + y^2 + z^2 - 1";
+        let scene = of_text(&format!("{text}{states};"));
+        look(&scene, &ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0])).colour
+    };
+    let opaque = colour("");
+    assert_ne!(opaque, DVec3::ONE);
+    for states in [", glass : 0", ", glass : a", ", glass : 0, bump : sin x"] {
+        assert_eq!(colour(states), opaque, "{states}");
+    }
+    for states in [", glass : 0.1", ", glass : 1 - a", ", glass : max(0, x)"] {
+        assert_eq!(colour(states), DVec3::ONE, "{states}");
+    }
+    let red = colour(", color : (1, 0, 0)");
+    assert_eq!(colour(", color : (1, 0, 0), glass : 0"), red);
+    assert_eq!(colour(", glass : 0, color : (1, 0, 0)"), red);
+}
+
+#[test]
 fn normals_at_poles_and_at_the_ends_of_domains_are_those_of_the_faces() {
     const BOX: &str = ", x : [-1,1], y : [-1,1], z : [-1,1]";
     let plane = |at: DVec3| (at.x.abs() < 1e-12).then_some(DVec3::X);

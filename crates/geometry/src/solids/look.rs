@@ -52,8 +52,8 @@ pub(super) struct LookProgram {
     pub(super) object: String,
     image: Option<FaceImage>,
     picture_look: PictureLook,
-    /// The linear colour.
-    colour: DVec3,
+    /// The linear colour, unless it is stated, where it is not glass.
+    opaque_colour: DVec3,
     pub(super) attributes: AttributeSet,
     /// σu and σv of a parametric surface that has a height or an image.
     slopes: Option<Tape>,
@@ -81,19 +81,14 @@ impl LookProgram {
         colour: DVec3,
         attributes: AttributeSet,
     ) -> Self {
-        let is_glass = attributes.states(A::Glass);
         Self {
             object: object.to_owned(),
             image,
             picture_look,
-            colour: if is_glass {
-                DVec3::ONE
-            } else {
-                picture_look.light(colour)
-            },
+            opaque_colour: picture_look.light(colour),
+            is_glass: attributes.states(A::Glass),
             attributes,
             slopes: None,
-            is_glass,
         }
     }
 
@@ -301,7 +296,10 @@ impl LookProgram {
 
     pub(super) fn plain(&self) -> FaceLook {
         FaceLook {
-            colour: self.colour,
+            colour: match self.is_glass {
+                true => DVec3::ONE,
+                false => self.opaque_colour,
+            },
             ..FaceLook::default()
         }
     }
@@ -312,7 +310,14 @@ impl LookProgram {
         match numbers.attribute {
             A::Colour => look.colour = self.picture_look.light(numbers.vector()),
             A::Mirror => look.mirror = numbers.vector(),
-            A::Glass => look.glass = number,
+            A::Glass => {
+                look.glass = number;
+                // It is not glass, unless it is elsewhere.
+                let is_opaque = number == 0.0 && !self.attributes.varies_by(A::Glass);
+                if is_opaque && !self.attributes.states(A::Colour) {
+                    look.colour = self.opaque_colour;
+                }
+            }
             A::Diffuse => look.diffuse = Some(number),
             A::Specular => look.specular = number,
             A::Shininess => look.shininess = number,
