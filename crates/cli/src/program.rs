@@ -294,15 +294,21 @@ impl LoadedProgram {
         name: Option<&str>,
         wanted: &str,
     ) -> Result<(ObjectId, &Object), Failure> {
-        if let Some(name) = name
-            && self.scene().parts.iter().any(|part| part.name == name)
-        {
-            return Err(Failure::Usage {
-                message: format!("`{name}` is a part of another solid, and is not drawn itself"),
-                hint: Some(format!("`solid copy = {name};` draws it")),
-            });
+        if let Some(name) = name {
+            self.refuse_part(name)?;
         }
         self.first_of(name, wanted, &|shape: &Shape| shape.has_inside())
+    }
+
+    /// Refuses the name of a solid that is only a part of others.
+    fn refuse_part(&self, name: &str) -> Result<(), Failure> {
+        if !self.scene().parts.iter().any(|part| part.name == name) {
+            return Ok(());
+        }
+        Err(Failure::Usage {
+            message: format!("`{name}` is a part of another solid, and is not drawn itself"),
+            hint: Some(format!("`solid copy = {name};` draws it")),
+        })
     }
 
     /// Finds the objects with a name: several objects of a script may share one.
@@ -314,6 +320,7 @@ impl LoadedProgram {
         if !found.is_empty() {
             return Ok(found);
         }
+        self.refuse_part(name)?;
         let names = quoted(self.scene.objects.iter());
         Err(Failure::Usage {
             message: format!("`{}` declares no object `{name}`", self.source.name),

@@ -174,6 +174,24 @@ fn what_a_script_s_mesh_lacks_is_reported_with_what_a_script_can_state() {
 }
 
 #[test]
+fn a_part_is_no_object_that_is_drawn() {
+    let folder = folder(&[(
+        "a.gtr",
+        "solid b(x,y,z) = x^2+y^2+z^2-1; solid q = b @ (1,0,0);",
+    )]);
+    for arguments in [
+        &["render", "a.gtr", "-o", "a.png", "--hide", "b"][..],
+        &["render", "a.gtr", "-o", "a.png", "--colour", "b=#ff0000"],
+        &["export", "a.gtr", "-o", "a.stl", "--object", "b"],
+    ] {
+        let run = run(folder.path(), arguments, "");
+        assert_eq!(run.status, 2, "{arguments:?}");
+        let message = "`b` is a part of another solid, and is not drawn itself";
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn values_have_the_form_of_the_contract() {
     let folder = folder(&[]);
     let eval = |program: &str, rest: &[&str]| {
