@@ -192,6 +192,37 @@ fn a_part_is_no_object_that_is_drawn() {
 }
 
 #[test]
+fn explain_tells_empty_solids_from_unbounded_ones() {
+    let folder = folder(&[(
+        "a.gtr",
+        "solid ball(x,y,z) = x^2+y^2+z^2-1; solid d = ball & ball @ (5,0,0); solid n(x,y,z) = sqrt(-1-x^2);
+         solid u(x,y,z) = x; param s = 0 : [0,1]; solid f = ball @ scale s;",
+    )]);
+    let text = run(folder.path(), &["explain", "a.gtr"], "").stdout;
+    for (solid, end) in [
+        ("ball", "1.0000000010010002]"),
+        ("d", "; empty"),
+        ("n", "; empty"),
+        ("u", "; unbounded"),
+        ("f", "; `f` is not drawn: the map of `ball` is singular"),
+    ] {
+        let start = format!("  {solid}: ");
+        let line = text.lines().find(|line| line.starts_with(&start));
+        let line = line.unwrap_or_else(|| panic!("no {solid}: {text}"));
+        assert!(line.ends_with(end), "{line}");
+    }
+    let json = run(folder.path(), &["explain", "a.gtr", "--format", "json"], "").json();
+    let solids = json["solids"].as_array().expect("solids");
+    for solid in solids {
+        let is_empty = solid["empty"].as_bool().unwrap_or_default();
+        assert_eq!(
+            is_empty,
+            ["d", "n"].contains(&solid["name"].as_str().expect("a name"))
+        );
+    }
+}
+
+#[test]
 fn values_have_the_form_of_the_contract() {
     let folder = folder(&[]);
     let eval = |program: &str, rest: &[&str]| {

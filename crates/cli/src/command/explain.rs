@@ -126,8 +126,11 @@ struct SolidEntry {
     drawn: bool,
     leaves: Vec<LeafEntry>,
     instances: u64,
-    /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an unbounded solid.
+    /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an empty or unbounded solid.
     bounds: Option<[[f64; 2]; 3]>,
+    /// True if it contains no point.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    empty: bool,
     /// The reason for which nothing is known of its leaves and its box.
     #[serde(skip_serializing_if = "Option::is_none")]
     unknown: Option<String>,
@@ -196,8 +199,9 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
     let entries = all.filter_map(|(object, drawn)| {
         let own = instance_grids(object.shape.solid()?);
         let rays = RayScene::of_solid(scene, params, &options, object, &mut work);
-        let bounds = (rays.world().solid_count() > 0).then(|| rays.world().bounds(0));
-        let bounds = bounds.flatten().filter(|bounds| !bounds.is_empty());
+        let is_located = rays.world().solid_count() > 0;
+        let empty = is_located && rays.is_empty(0);
+        let bounds = (is_located && !empty).then(|| rays.world().bounds(0));
         let leaves = rays.leaves().into_iter();
         Some(SolidEntry {
             name: object.name.clone(),
@@ -212,8 +216,10 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
                 .instance_count(scene, object)
                 .saturating_mul(params.combination_count(scene, own)),
             bounds: bounds
+                .flatten()
                 .map(|bounds| [0, 1, 2].map(|axis| [bounds.lower[axis], bounds.upper[axis]])),
-            unknown: rays.is_out_of_work().then(|| {
+            empty,
+            unknown: (!is_located).then(|| {
                 let notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();
                 notes.join("; ")
             }),
@@ -387,6 +393,7 @@ fn solid_text(text: &mut String, entry: &SolidEntry) {
         count(entry.instances as usize, "instance"),
     );
     let _ = match entry.bounds {
+        None if entry.empty => writeln!(text, "; empty"),
         Some(sides) => writeln!(
             text,
             "; in {}",
