@@ -2,6 +2,7 @@
 
 use geometry::solids::{RayScene, RaySceneOptions};
 use glam::DVec3;
+use scene::Shape;
 use tracer::camera::LensCamera;
 
 use crate::request::PictureRequest;
@@ -18,6 +19,25 @@ pub(crate) fn declared_camera(rays: &RayScene, name: Option<&str>) -> Option<Len
 
 /// Returns the camera that the scene of a request declares, as the request names it.
 pub(crate) fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
+    declared_camera(&staged(request)?, request.view.space()?.declared.as_deref())
+}
+
+/// Returns sentences about declared cameras that differ from their declarations.
+pub(crate) fn camera_notes(request: &PictureRequest) -> Vec<String> {
+    let stage = request.scene.stage.iter();
+    let cameras = stage.filter(|object| matches!(object.shape, Shape::Camera(_)));
+    let names: Vec<&str> = cameras.map(|camera| &*camera.name).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let notes = staged(request).map_or_else(Vec::new, |rays| rays.notes());
+    let notes = notes.into_iter();
+    let of_cameras = notes.filter(|note| names.contains(&&*note.object));
+    of_cameras.map(|note| note.to_string()).collect()
+}
+
+/// Returns the lights and cameras of a request's scene.
+fn staged(request: &PictureRequest) -> Option<RayScene> {
     if request.scene.stage.is_empty() {
         return None;
     }
@@ -28,6 +48,5 @@ pub(crate) fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
         stage: true,
         picture_look: Default::default(),
     };
-    let rays = RayScene::new(&request.scene, &request.params, &options);
-    declared_camera(&rays, request.view.space()?.declared.as_deref())
+    Some(RayScene::new(&request.scene, &request.params, &options))
 }

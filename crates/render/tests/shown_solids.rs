@@ -623,6 +623,27 @@ fn a_solid_that_no_ray_meets_is_noted() {
 }
 
 #[test]
+fn a_camera_without_a_direction_is_noted_in_each_view() {
+    let camera = "solid b(x,y,z) = x^2 + y^2 + z^2 - 1; camera c = (0, a, 0) @ (1, 2, 3);";
+    let note = "`c` is left out: its position or direction is undefined, or the direction's length is 0 or too large";
+    for (a, is_noted) in [("0", true), ("1e200", true), ("-2", false)] {
+        let scene = scenes::scene(&format!("define a = {a}; {camera}"));
+        let space = request(Scene::clone(&scene), SpaceOptions::default());
+        let mut traced = space.clone();
+        traced.view = TracedOptions {
+            samples: Some(1),
+            ..TracedOptions::default()
+        }
+        .into();
+        for request in [space, traced] {
+            let drawn = Renderer::software().draw(&request).expect("a picture");
+            let expected = is_noted.then(|| Note::Remark(note.to_owned()));
+            assert_eq!(drawn.notes, Vec::from_iter(expected), "{a}");
+        }
+    }
+}
+
+#[test]
 fn an_endless_solid_that_nothing_frames_is_noted() {
     let note = "`s` may be unbounded, so the picture does not frame it: no bound was found along z; cut it by \
                 `z : [-3, 3]`, which needs the parameter z: `solid s(x, y, z)`";

@@ -39,7 +39,7 @@ pub enum RayFault {
     TooManyBodies,
     /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
     TooManySheets,
-    /// This many instances of a light or a camera have no position or no direction.
+    /// This many instances of a light or a camera have no finite position, or no direction of a finite length.
     UndefinedStage(u64),
     /// The attribute is undefined somewhere: its default is used there.
     UndefinedAttribute(&'static str),
@@ -153,12 +153,12 @@ impl std::fmt::Display for RayNote {
             RayFault::UndefinedStage(1) => {
                 write!(
                     f,
-                    "`{name}` is left out: its position or direction is undefined, or the direction is zero"
+                    "`{name}` is left out: its position or direction is undefined, or the direction's length is 0 or too large"
                 )
             }
             RayFault::UndefinedStage(count) => write!(
                 f,
-                "{count} instances of `{name}` are left out: their position or direction is undefined, or the direction is zero"
+                "{count} instances of `{name}` are left out: their position or direction is undefined, or the direction's length is 0 or too large"
             ),
             RayFault::UndefinedAttribute(word) => write!(
                 f,

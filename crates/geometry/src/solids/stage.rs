@@ -224,7 +224,11 @@ pub(super) fn lights(
         };
         let [position, direction] = [at(&position), at(&direction)];
         let parts = [position, direction].into_iter().flatten();
-        if parts.clone().any(|part| !part.is_finite()) || direction == Some(DVec3::ZERO) {
+        let is_direction = |direction: DVec3| {
+            let length = direction.length();
+            length.is_finite() && length > 0.0
+        };
+        if parts.clone().any(|part| !part.is_finite()) || !direction.is_none_or(is_direction) {
             undefined += 1;
             return;
         }

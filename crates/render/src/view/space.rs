@@ -15,6 +15,7 @@ use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::content::{self, Content, Structure};
 use crate::counters::PixelCounters;
+use crate::declared_camera::camera_notes;
 use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
@@ -392,6 +393,7 @@ impl PreparedPicture {
         painter: Option<&SolidPainter<'_>>,
     ) -> Result<Vec<String>, RenderError> {
         let mut notes: Vec<String> = stated_colours::notes(request);
+        notes.extend(camera_notes(request));
         notes.extend(self.framed.notes(request, |id| options.shows(id)));
         if let Some(painter) = painter {
             notes.extend(painter.notes(request)?);
