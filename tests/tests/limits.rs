@@ -267,6 +267,13 @@ fn pictures() -> Vec<Limit> {
             "shorter intervals",
         ),
         limit(
+            "the size of a solid of a function that is not a polynomial of degree at most 2, in units of the scene; a larger one counts as unbounded, and one below 10⁻¹² may be missing",
+            format!("2^{}", tracer::LARGEST_EXPONENT),
+            "run time: its box is sought up to this size, and has a margin of 10⁻¹²",
+            "",
+            "another unit",
+        ),
+        limit(
             "parts of a ray on which a function other than a polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
             grouped(tracer::MOST_RAY_EVALUATIONS as u64),
             "run time",

@@ -18,8 +18,12 @@ pub struct BoundingBox {
     pub upper: DVec3,
 }
 
-/// The search for sides covers magnitudes from 2^−LARGEST to 2^LARGEST.
-const LARGEST: i32 = 40;
+/// The search for boxes covers magnitudes from 2^SMALLEST_EXPONENT to 2^LARGEST_EXPONENT.
+pub(crate) const SMALLEST_EXPONENT: i32 = -40;
+/// See [`SMALLEST_EXPONENT`].
+pub const LARGEST_EXPONENT: i32 = 200;
+/// Usual boxes are at most 2^USUAL_EXPONENT large.
+pub(crate) const USUAL_EXPONENT: i32 = 40;
 /// The number of passes in which all sides are moved.
 const PASSES: usize = 3;
 /// The number of halvings by which a side is moved inward.
@@ -296,10 +300,18 @@ fn side(
     // A coordinate beyond which everything is outside: the limit itself, or the smallest suitable candidate.
     let mut place = most;
     if most == f64::INFINITY {
-        let places = (-LARGEST..=LARGEST).step_by(4).map(|k| f64::from(k).exp2());
+        let places = (SMALLEST_EXPONENT..=LARGEST_EXPONENT).step_by(4);
+        let places = places.map(|k| f64::from(k).exp2());
         let places: Vec<f64> = places.filter(|place| *place >= least).collect();
-        let first = places.partition_point(|&at| !divided(outside, slab(at, most), axis, upward));
-        place = *places.get(first)?;
+        let usual = f64::from(USUAL_EXPONENT).exp2();
+        let (usual, large) = places.split_at(places.partition_point(|place| *place <= usual));
+        let mut is_crossed = |at: &f64| !divided(outside, slab(*at, most), axis, upward);
+        place = match usual.get(usual.partition_point(&mut is_crossed)) {
+            Some(place) => *place,
+            // An unbounded set takes one more test.
+            None if is_crossed(large.last()?) => return None,
+            None => *large.get(large.partition_point(&mut is_crossed))?,
+        };
     }
     // Move inward by growing steps as long as everything beyond is outside.
     let mut step = if least.is_finite() {
@@ -309,7 +321,7 @@ fn side(
     };
     let mut inner = (place - step).max(least);
     while inner > least && divided(outside, slab(inner, place), axis, upward) {
-        if place < -f64::from(LARGEST).exp2() {
+        if place < -f64::from(LARGEST_EXPONENT).exp2() {
             return Some(sign * place);
         }
         place = inner;

@@ -83,7 +83,7 @@ mod threads;
 mod tree;
 mod world;
 
-pub use bounds::{BoundingBox, WorkBudget};
+pub use bounds::{BoundingBox, LARGEST_EXPONENT, WorkBudget};
 pub use cast::{Caster, Crossing};
 pub use contour::{SolidMesh, contour};
 pub use field::{MOST_RAY_EVALUATIONS, TILE_RAY_OPERATIONS};

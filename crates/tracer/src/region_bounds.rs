@@ -10,14 +10,15 @@ use expr::ops::Binary;
 use expr::polynomial::{Polynomial, Region};
 use glam::{DMat3, DVec3};
 
-use crate::bounds::{BoundingBox, WorkBudget};
+use crate::bounds::{BoundingBox, LARGEST_EXPONENT, SMALLEST_EXPONENT, USUAL_EXPONENT, WorkBudget};
 
 /// The maximum number of boxes on the cube that are tested for one size.
 const BOXES: usize = 4096;
 /// The number of operations for a term on intervals.
 const TERM: u64 = 6;
-/// The search for cubes covers sizes from 2^−LARGEST to 2^LARGEST.
-const LARGEST: i32 = 40;
+/// The steps of the exponents of cubes' sizes: of large ones, and of usual ones.
+const COARSE: i32 = 40;
+const FINE: i32 = 2;
 
 /// A pivot of a quadratic form below this fraction of the largest coefficient counts as 0.
 const FLATTEST: f64 = 1e-9;
@@ -94,18 +95,32 @@ pub(crate) fn region_bounds(region: &Region, work: &WorkBudget) -> Option<Boundi
 /// Returns a box that contains the region, outside of which each point is outside of one of the intersected sets.
 /// Half-spaces bound a polyhedron in this way, though none of them is bounded.
 pub(crate) fn joint_bounds(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
-    let mut least = None;
-    for k in (-LARGEST..=LARGEST).rev().step_by(2) {
-        let size = f64::from(k).exp2();
-        if !is_outside(region, size, work) {
-            break;
-        }
-        least = Some(DVec3::splat(size));
-    }
-    least.map(|size| BoundingBox {
+    let size = DVec3::splat(smallest_size(|size| is_outside(region, size, work))?);
+    Some(BoundingBox {
         lower: -size,
         upper: size,
     })
+}
+
+/// Returns the smallest size for which a cube contains a set, if all larger cubes do, too; `None` if none does. A size that
+/// is too small takes the most work, so sizes are tested downward.
+fn smallest_size(contains: impl Fn(f64) -> bool) -> Option<f64> {
+    let mut least: Option<i32> = None;
+    let (mut k, mut step) = (LARGEST_EXPONENT, COARSE);
+    while k >= SMALLEST_EXPONENT {
+        match (contains(f64::from(k).exp2()), least) {
+            (true, _) => {
+                least = Some(k);
+                if k <= USUAL_EXPONENT {
+                    step = FINE;
+                }
+            }
+            (false, Some(last)) if step == COARSE => (k, step) = (last, FINE),
+            (false, _) => break,
+        }
+        k -= step;
+    }
+    least.map(|k| f64::from(k).exp2())
 }
 
 /// Returns true if the region has no point outside of a cube.
@@ -224,16 +239,7 @@ fn cube(p: &Polynomial, work: &WorkBudget) -> Option<f64> {
     if p.degree() < 2 || p.degree() % 2 == 1 {
         return None;
     }
-    // Beyond the largest size only the leading terms matter: if they have a zero, there is no such cube.
-    let mut least = None;
-    for k in (-LARGEST..=LARGEST).rev().step_by(2) {
-        let size = f64::from(k).exp2();
-        if !positive_outside(p, size, work) {
-            break;
-        }
-        least = Some(size);
-    }
-    least
+    smallest_size(|size| positive_outside(p, size, work))
 }
 
 fn positive_outside(p: &Polynomial, size: f64, work: &WorkBudget) -> bool {

@@ -207,3 +207,27 @@ fn cut_leaves_are_entered_and_left() {
         assert_eq!(unpaired(&rest), 0, "without leaf {k}");
     }
 }
+
+#[test]
+fn large_solids_have_boxes() {
+    let variables = variables();
+    let [x, y, z] = &variables;
+    for size in [1e3, 1e9, 3e12, 1e13, 1e15, 1e30] {
+        let [a, b, c] = [x, y, z].map(|it| it * (1.0 / size));
+        let field = a.squared() + b.squared().exp() + c.squared() - 2.0;
+        let quartic = a.powi(4) + b.powi(4) + c.powi(4) - 1.0;
+        let beside = cube(&variables, [0.0; 3]) - 0.5 * size;
+        for solid in [&field, &quartic] {
+            let rays = [ray([3.0 * size, 0.0, 0.0], [-1.0, 0.0, 0.0])];
+            let found = crossings(BOTH, &[vec![solid], vec![&beside]], &rays);
+            let [(enters, true), (leaves, false)] = found[0][..] else {
+                panic!("{size}: {found:?}");
+            };
+            let [enters, leaves] = [enters, leaves].map(|t| t / size);
+            assert!(
+                (enters - 2.0).abs() + (leaves - 4.0).abs() < 1e-9,
+                "{size}: {enters}, {leaves}"
+            );
+        }
+    }
+}
