@@ -960,6 +960,21 @@ fn what_is_thinner_than_a_cell_is_reported() {
     let volume = 0.04 * (100.0 - PI * 0.09);
     assert!((solid.volume() / volume - 1.0).abs() < 1e-3);
 
+    // Counts cannot help.
+    for point in [
+        "solid p(x,y,z) = (x-3)^2+y^2+z^2;",
+        "solid p(x,y,z) = x^2+y^2+z^2, z : [-0.5,0.5];",
+        "solid ball(x,y,z) = x^2+y^2+z^2, z : [-0.5,0.5]; solid p = ball @ (300,0,0);",
+    ] {
+        let notes = exported(point).notes;
+        let start = "`p` has no mesh: it is empty, or smaller than ";
+        let size = notes[0].strip_prefix(start).map(str::parse::<f64>);
+        assert!(size.is_some_and(|size| size.is_ok()), "{notes:?}");
+    }
+    let named = exported("solid p(a,b,c) = max(abs a - 5, abs b - 4, abs c - 0.02);");
+    let note = "`p` has no mesh: it is thinner than a cell of 0.078 everywhere; make the cells smaller by counts: `a : [-5.1, 5.1, 512]`";
+    assert_eq!(named.notes, [note]);
+
     let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
     assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
     let unknown = exported("solid star(x,y,z) = x^(2/3) + y^(2/3) + z^(2/3) - 1;");

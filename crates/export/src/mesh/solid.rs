@@ -25,6 +25,10 @@ pub const MAX_MESH_WORK: u64 = 1 << 32;
 /// The minimum cosine between a vertex's own normal and that of a triangle's plane; below it, at edges, the vertex gets
 /// the plane's normal.
 const SMOOTH: f32 = 0.9;
+/// The box of a point extends by this fraction of its distance from the origin, or of [`POINT_UNIT`]: more than the margin
+/// of boxes.
+const POINT: f64 = 1e-8;
+const POINT_UNIT: f64 = 1e-3;
 /// The relative rounding error that is allowed for the size of a cell.
 const ROUNDING: f64 = 1e-6;
 
@@ -195,10 +199,17 @@ fn thin(rays: &RayScene, bounds: &BoundingBox, cells: u32, found: &SolidMesh) ->
     let name = &rays.object_of_solid(0).name;
     let sides = bounds.upper - bounds.lower;
     let longest = sides.max_element();
+    let farthest = bounds.lower.abs().max(bounds.upper.abs()).max_element();
     let cell = number::text(brief(longest / f64::from(cells)));
     let text = match (found.triangles.is_empty(), found.is_thin) {
         (true, _) if bounds.is_empty() => {
             return Some(format!("`{name}` has no mesh: it is empty"));
+        }
+        (true, _) if longest <= POINT * (POINT_UNIT + farthest) => {
+            let size = number::text(brief(longest));
+            return Some(format!(
+                "`{name}` has no mesh: it is empty, or smaller than {size}"
+            ));
         }
         (true, true) => {
             format!("`{name}` has no mesh: it is thinner than a cell of {cell} everywhere")
