@@ -18,9 +18,9 @@ pub struct BoundingBox {
     pub upper: DVec3,
 }
 
-/// The search for boxes covers magnitudes from 2^SMALLEST_EXPONENT to 2^LARGEST_EXPONENT.
+/// The search for boxes covers magnitudes from 2^SMALLEST_EXPONENT.
 pub(crate) const SMALLEST_EXPONENT: i32 = -40;
-/// See [`SMALLEST_EXPONENT`].
+/// The search for boxes covers magnitudes to 2^LARGEST_EXPONENT.
 pub const LARGEST_EXPONENT: i32 = 200;
 /// Usual boxes are at most 2^USUAL_EXPONENT large.
 pub(crate) const USUAL_EXPONENT: i32 = 40;
