@@ -594,6 +594,18 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
     }
 }
 
+/// Returns requests for the 3D view and for the traced view of a scene.
+fn in_both_views(scene: &Scene) -> [PictureRequest; 2] {
+    let space = request(scene.clone(), SpaceOptions::default());
+    let mut traced = space.clone();
+    traced.view = TracedOptions {
+        samples: Some(1),
+        ..TracedOptions::default()
+    }
+    .into();
+    [space, traced]
+}
+
 #[test]
 fn a_solid_that_no_ray_meets_is_noted() {
     let balls = "solid a(x,y,z) = x^2 + y^2 + (z + 0.8)^2 - 1;
@@ -607,14 +619,7 @@ fn a_solid_that_no_ray_meets_is_noted() {
         ("a & b", false),
     ] {
         let scene = scenes::scene(&format!("{balls} solid lens = {lens};"));
-        let space = request(Scene::clone(&scene), SpaceOptions::default());
-        let mut traced = space.clone();
-        traced.view = TracedOptions {
-            samples: Some(1),
-            ..TracedOptions::default()
-        }
-        .into();
-        for request in [space, traced] {
+        for request in in_both_views(&scene) {
             let drawn = Renderer::software().draw(&request).expect("a picture");
             let expected = is_noted.then(|| Note::Remark(note.to_owned()));
             assert_eq!(drawn.notes, Vec::from_iter(expected), "{lens}");
@@ -628,14 +633,7 @@ fn a_camera_without_a_direction_is_noted_in_each_view() {
     let note = "`c` is left out: its position or direction is undefined, or the direction's length is 0 or too large";
     for (a, is_noted) in [("0", true), ("1e200", true), ("-2", false)] {
         let scene = scenes::scene(&format!("define a = {a}; {camera}"));
-        let space = request(Scene::clone(&scene), SpaceOptions::default());
-        let mut traced = space.clone();
-        traced.view = TracedOptions {
-            samples: Some(1),
-            ..TracedOptions::default()
-        }
-        .into();
-        for request in [space, traced] {
+        for request in in_both_views(&scene) {
             let drawn = Renderer::software().draw(&request).expect("a picture");
             let expected = is_noted.then(|| Note::Remark(note.to_owned()));
             assert_eq!(drawn.notes, Vec::from_iter(expected), "{a}");
