@@ -168,7 +168,7 @@ fn turning(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
     frames(FRAMES, stage, scene, |share| {
         let angle = first + 0.3 * TAU * share;
         let eye = [away * angle.cos(), away * angle.sin(), z];
-        let mut request = Wanted::space(SIZE);
+        let mut request = in_motion();
         request.in_space().camera = Viewpoint::new(
             camera.placement.world(DrawingPoint(eye)),
             camera.placement.world(DrawingPoint([0.0; 3])),
@@ -185,8 +185,16 @@ fn dragging(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
         let range = param.ranges.first()?;
         values[0] = range.min + (0.3 + 0.4 * share) * (range.max - range.min);
         settings.set(scene, &param.name, &values).ok()?;
-        Some((settings, Wanted::space(SIZE)))
+        Some((settings, in_motion()))
     })
+}
+
+/// Returns the 3D view, drawn as a window draws it while something moves.
+fn in_motion() -> Wanted {
+    Wanted {
+        moving: true,
+        ..Wanted::space(SIZE)
+    }
 }
 
 fn walking(stage: &mut Renderer, scene: &Arc<Scene>, steps: u32) -> Option<Times> {

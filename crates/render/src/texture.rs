@@ -15,6 +15,7 @@ mod surface_image;
 pub use budget::{MAX_TOTAL_TEXELS, TexelBudget};
 pub use curvature::CurvatureScale;
 pub use filter::Sampler;
+pub(crate) use filter::{threshold, thresholds};
 pub(crate) use instances::{MOST_INSTANCES, side};
 pub use named::{missing_file, named_file, named_files};
 pub use proportions::Proportions;

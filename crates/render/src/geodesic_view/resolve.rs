@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::{EndsOfRows, HATCH, LEAST_RING, Layer, RING, UNSEEN, hatching};
 use crate::style;
-use crate::texture::{Sampler, Texture};
+use crate::texture::{Sampler, Texture, thresholds};
 
 /// The number of pixels that pass each stage together.
 const STRIP: usize = 32;
@@ -239,6 +239,9 @@ fn near(
     parts
 }
 
+/// The ratio of length to width of a footprint from which on it is blurred during motion.
+const COARSE_ANISOTROPY: f32 = 2.0;
+
 /// An image continued beyond the domain's sides.
 pub(crate) struct Cover {
     pub(crate) texture: Arc<Texture>,
@@ -273,7 +276,11 @@ impl Cover {
     fn sampler(&self, origin: [f64; 2], coarse: bool) -> Sampler<'_> {
         let unit = self.period.map(|period| 1.0 / period);
         let sampler = Sampler::new(&self.texture, self.share(origin), unit, self.repeats);
-        if coarse { sampler.coarse() } else { sampler }
+        if coarse {
+            sampler.coarse(COARSE_ANISOTROPY)
+        } else {
+            sampler
+        }
     }
 }
 
@@ -353,7 +360,7 @@ impl ImageRows<'_> {
         if unknown != 0 {
             self.fill_unknown(y, first, count, &mut derivatives);
         }
-        let footprints = self.sampler.footprints(&derivatives, y);
+        let footprints = self.sampler.footprints(&derivatives, thresholds(y));
         self.sampler.averages(&at, &footprints, &mut light);
         for (light, tint) in light.iter_mut().zip(self.tint) {
             for light in light {

@@ -423,14 +423,17 @@ fn mask(samples: [bool; 4]) -> u8 {
 /// Returns the first of the samples in `open` with the most frequent triangle.
 #[inline(always)]
 fn dominant(ids: [u32; 4], open: u8) -> usize {
-    let mut best = (0, 0);
-    for (s, &id) in ids.iter().enumerate().filter(|(s, _)| open >> s & 1 == 1) {
-        let count = ids.iter().filter(|&&other| other == id).count();
-        if count > best.0 {
-            best = (count, s);
+    // The larger number has more samples with its triangle, or comes first. A sample that is not open counts nothing.
+    let mut best = 0;
+    for (s, &id) in ids.iter().enumerate() {
+        let mut count = 0;
+        for &other in &ids {
+            count += usize::from(other == id);
         }
+        let is_open = usize::from(open >> s & 1);
+        best = best.max(is_open * (4 * count + 3 - s));
     }
-    best.1
+    3 - best % 4
 }
 
 /// The centre of each set of samples, in pixels from the pixel's top left.

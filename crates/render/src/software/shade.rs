@@ -6,9 +6,9 @@
 use glam::Vec3;
 
 use super::mesh::{Corner, Eye, SUBPIXEL};
-use super::raster::Edges;
+use super::raster::{Edges, TILE};
 use crate::style;
-use crate::texture::Sampler;
+use crate::texture::{Sampler, threshold};
 
 /// The appearance of triangles of one kind of one object.
 #[derive(Clone, Debug)]
@@ -109,7 +109,7 @@ struct Block {
     /// The factor of the colour, and the white that is added.
     lights: [[f32; LANES]; 2],
     light: [[f32; LANES]; 3],
-    /// The caller's own data.
+    /// The indices of their pixels in the tile, and the caller's own data.
     to: [[u16; 2]; LANES],
 }
 
@@ -126,7 +126,8 @@ impl Fragments {
         self.count = 0;
     }
 
-    /// Adds a fragment, unless it is full: a position in the picture, in pixels, on a triangle.
+    /// Adds a fragment, unless it is full: a position in the picture, in pixels, on a triangle. `to` is the index of its pixel
+    /// in the tile and a number of the caller's.
     #[inline(always)]
     pub(super) fn push(&mut self, planes: &Planes, at: [f32; 2], to: [u16; 2]) {
         let (block, lane) = (self.count / LANES, self.count % LANES);
@@ -211,7 +212,12 @@ impl Block {
                 }
                 self.illuminate(eye);
                 let [ax, ay, bx, by, ..] = self.slopes;
-                let footprints = image.footprints(&[ax, ay, bx, by], 0);
+                let thresholds = if image.dithers() {
+                    self.thresholds()
+                } else {
+                    [0.0; LANES]
+                };
+                let footprints = image.footprints(&[ax, ay, bx, by], &thresholds);
                 image.averages(&self.uv, &footprints, &mut self.light);
                 for (light, colour) in self.light.iter_mut().zip(colour) {
                     for k in 0..LANES {
@@ -226,6 +232,17 @@ impl Block {
                 self.set(k, style::emphasised(light, material.emphasis));
             }
         }
+    }
+
+    /// Returns the thresholds of the fragments' pixels.
+    #[inline(always)]
+    fn thresholds(&self) -> [f32; LANES] {
+        let mut thresholds = [0.0; LANES];
+        for k in 0..LANES {
+            let [index, _] = self.to[k].map(i32::from);
+            thresholds[k] = threshold(index % TILE as i32, index / TILE as i32);
+        }
+        thresholds
     }
 
     #[inline(always)]

@@ -22,6 +22,9 @@ const JOB: usize = 8_192;
 /// The approximate number of triangles of a batch.
 const BATCH: usize = 1 << 20;
 
+/// The ratio of length to width of a footprint from which on it is blurred during motion.
+const COARSE_ANISOTROPY: f32 = 4.0;
+
 /// A part of an object: instances of points, vectors and curves, rows of quads of surfaces.
 pub(super) struct Job {
     pub(super) object: usize,
@@ -44,6 +47,8 @@ pub struct Drawable {
     pub line: LineStyle,
     /// The image of a surface; none for other kinds.
     pub image: Option<SurfaceImage>,
+    /// True if its image is sampled as by [`Sampler::coarse`].
+    pub(crate) is_coarse: bool,
     /// For a surface, one of `stride` columns and rows of samples is drawn.
     pub(crate) stride: usize,
 }
@@ -57,6 +62,7 @@ impl Drawable {
             emphasis: look.emphasis,
             line: look.line,
             image,
+            is_coarse: false,
             stride: 1,
         }
     }
@@ -94,6 +100,7 @@ impl Drawable {
             emphasis: 0.0,
             line: LineStyle::default(),
             image: None,
+            is_coarse: false,
             stride: 1,
         }
     }
@@ -188,6 +195,13 @@ fn batch_meshes(eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<Mesh> {
 fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
     let own = objects.iter().flat_map(|object| {
         let samplers = object.image.iter().flat_map(SurfaceImage::samplers);
+        let samplers = samplers.map(|it| {
+            if object.is_coarse {
+                it.coarse(COARSE_ANISOTROPY)
+            } else {
+                it
+            }
+        });
         let samplers: Vec<Sampler<'_>> = samplers.collect();
         (0..object.look_count()).flat_map(move |look| {
             let sampler = samplers.get(look).or(samplers.last()).cloned();

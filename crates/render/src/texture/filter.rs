@@ -18,8 +18,6 @@ use crate::style::decode;
 
 /// The ratio of length to width of a footprint from which on it is blurred across.
 const MAX_ANISOTROPY: f32 = 8.0;
-/// This ratio where time is short.
-const COARSE_ANISOTROPY: f32 = 2.0;
 /// A footprint that is so many times longer than wide still has one probe, on a coarser level.
 const ROUND: f32 = 0.5;
 /// Probes overlap: each is this much of its share of the footprint's length, at least.
@@ -31,19 +29,31 @@ const EXACT: f32 = 4_194_304.0;
 /// Levels blend into one another between this share of the way and as much before its end; outside of it one is enough.
 const BLEND_FROM: f32 = 0.25;
 
-/// The thresholds over 4 × 4 pixels by which, where time is short, one of two levels is taken instead of a blend: the
-/// mean over them is the blend. (The recursive order of B. E. Bayer, 1973, in 32nds.) Rows go on for as many pixels as
-/// are filtered together at most.
+/// The thresholds of four rows. They go on for as many pixels as are filtered together at most.
 const THRESHOLDS: [[f32; 64]; 4] = {
-    const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
     let mut thresholds = [[0.0; 64]; 4];
     let mut k = 0;
     while k < 256 {
-        thresholds[k / 64][k % 64] = (2 * ORDER[k / 64][k % 4] + 1) as f32 / 32.0;
+        thresholds[k / 64][k % 64] = threshold(k as i32 % 64, k as i32 / 64);
         k += 1;
     }
     thresholds
 };
+
+/// Returns the threshold of a pixel, by which one of two levels is taken instead of a blend where time is short. The mean over
+/// 4 × 4 pixels is the blend. (The recursive order of B. E. Bayer, 1973.)
+#[inline(always)]
+pub(crate) const fn threshold(x: i32, y: i32) -> f32 {
+    let diagonal = x ^ y;
+    let order = (diagonal & 1) << 3 | (y & 1) << 2 | (diagonal & 2) | (y & 2) >> 1;
+    (2 * order + 1) as f32 / 32.0
+}
+
+/// Returns the [`threshold`] of each pixel of a row, beginning with a column that is a multiple of four.
+#[inline(always)]
+pub(crate) fn thresholds(row: usize) -> &'static [f32; 64] {
+    &THRESHOLDS[row % 4]
+}
 
 /// A texel in linear light, 65535 for 1: red in the lowest 16 bits, then green, then blue.
 type LinearTexel = u64;
@@ -166,32 +176,40 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Returns the colour with fewer probes where a footprint is long, a little blurred there, and each on one level.
-    pub(crate) fn coarse(self) -> Self {
+    /// Takes each colour from one level, instead of a blend of two, and is blurred where a footprint is more than
+    /// `anisotropy` times longer than wide: fewer probes, for pictures during motion.
+    pub(crate) fn coarse(self, anisotropy: f32) -> Self {
         Self {
-            narrowest: 1.0 / COARSE_ANISOTROPY,
+            narrowest: 1.0 / anisotropy,
             dithers: true,
             ..self
         }
+    }
+
+    /// Returns true if [`Self::footprints`] needs thresholds.
+    #[inline(always)]
+    pub(crate) fn dithers(&self) -> bool {
+        self.dithers
     }
 
     /// The colour in linear light at an offset, averaged over the parallelogram that `across` and `along` (in the
     /// offset's units) span around it; not finite ones give the whole image's mean.
     pub fn colour(&self, offset: [f32; 2], across: [f32; 2], along: [f32; 2]) -> [f32; 3] {
         let [a, b] = [across, along];
-        let footprints = self.footprints(&[a[0], a[1], b[0], b[1]].map(|x| [x]), 0);
+        let derivatives = [a[0], a[1], b[0], b[1]].map(|x| [x]);
+        let footprints = self.footprints(&derivatives, thresholds(0));
         let mut colour = [[0.0]; 3];
         self.averages(&offset.map(|x| [x]), &footprints, &mut colour);
         colour.map(|[channel]| channel)
     }
 
-    /// The footprints of L pixels of a row, the first of them at a multiple of four columns, with the derivatives
-    /// (across, along).
+    /// The footprints of L pixels with the derivatives (across, along) and these thresholds ([`thresholds`]), where levels are
+    /// dithered.
     #[inline(always)]
     pub(crate) fn footprints<const L: usize>(
         &self,
         derivatives: &[[f32; L]; 4],
-        row: usize,
+        thresholds: &[f32],
     ) -> Footprints<L> {
         let [su, sv] = self.texels;
         let last = (self.levels.len() - 1) as f32;
@@ -228,7 +246,7 @@ impl<'a> Sampler<'a> {
             all.step[1][k] = if finite { y * step / sv } else { 0.0 };
         }
         if self.dithers {
-            for (level, threshold) in all.level.iter_mut().zip(&THRESHOLDS[row % 4]) {
+            for (level, threshold) in all.level.iter_mut().zip(thresholds) {
                 // The share of the upper level, in `averages`, is above the threshold.
                 let up = 1.0 - BLEND_FROM - (1.0 - 2.0 * BLEND_FROM) * threshold;
                 *level = smaller(floor(*level + up), last);
@@ -641,7 +659,7 @@ mod tests {
                         all[k] = (0.2 * (n / 700.0) * (n * (j + 1) as f64).sin()) as f32;
                     }
                 }
-                let footprints = sampler.footprints(&derivatives, 0);
+                let footprints = sampler.footprints(&derivatives, thresholds(0));
                 let mut colours = [[0.0; L]; 3];
                 sampler.averages(&offsets, &footprints, &mut colours);
                 for k in 0..L {

@@ -570,7 +570,7 @@ fn frame(
 }
 
 /// Returns the scene's objects with their samples, and notes for the reader of the picture. During motion, `moving` is the
-/// camera, and surfaces have fewer triangles where the difference is not visible.
+/// camera, surfaces have fewer triangles where the difference is not visible, and their images are sampled coarsely.
 fn drawables(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -599,6 +599,7 @@ fn drawables(
             software::moving_stride(camera, &sampled.samples)
         });
         drawables.push(Drawable {
+            is_coarse: moving.is_some(),
             stride,
             ..Drawable::new(sampled.samples, look, image)
         });
