@@ -217,12 +217,13 @@ fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
     }
     let r = area_element(form.efg);
     if !(e > 0.0 && r > 0.0) {
-        // Parallel tangents span no plane.
-        let root = e.max(0.0).sqrt();
+        // Parallel tangents span no plane. Where the form is not even semidefinite, it has no tangents.
+        let is_semidefinite = e >= 0.0 && g >= 0.0 && r == 0.0;
+        let along = |x: f64| [if is_semidefinite { x } else { 0.0 }, 0.0, 0.0];
         return Jet {
             position,
-            du: [root, 0.0, 0.0],
-            dv: [g.max(0.0).sqrt(), 0.0, 0.0],
+            du: along(e.sqrt()),
+            dv: along(g.sqrt().copysign(f)),
             duu: undefined,
             duv: undefined,
             dvv: undefined,

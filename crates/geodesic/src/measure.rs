@@ -122,7 +122,8 @@ impl fmt::Display for MeasureError {
             }
             Self::Degenerate { at: [u, v] } => write!(
                 f,
-                "the surface has no tangent plane at the point ({u}, {v}): σu and σv are parallel or undefined"
+                "the surface has no tangent plane at the point ({u}, {v}): σu and σv are parallel or undefined, or the metric is \
+                 not positive definite"
             ),
             Self::Crease { at: [u, v] } => write!(
                 f,

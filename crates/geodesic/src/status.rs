@@ -10,7 +10,7 @@ pub enum Status {
     LeftDomain,
     /// It ran into the tip of a cone.
     ConePoint,
-    /// The parametrisation lost its rank: σu and σv are parallel.
+    /// The parametrisation lost its rank: σu and σv are parallel, or a metric is not positive definite.
     Degenerate,
     /// The surface is undefined there (NaN).
     Undefined,
@@ -24,7 +24,9 @@ impl Status {
         match self {
             Self::LeftDomain => "leaves the domain",
             Self::ConePoint => "runs into the tip of a cone",
-            Self::Degenerate => "reaches a point where σu and σv are parallel",
+            Self::Degenerate => {
+                "reaches a point where σu and σv are parallel or the metric is not positive definite"
+            }
             Self::Undefined => "reaches a point where the surface is undefined",
             Self::Complete | Self::WorkLimit => "reaches the limit of evaluations",
         }

@@ -173,7 +173,8 @@ impl fmt::Display for TraceError {
             }
             Self::DegenerateStart { at: [u, v] } => write!(
                 f,
-                "the surface has no tangent plane at the start ({u}, {v}): σu and σv are parallel or undefined"
+                "the surface has no tangent plane at the start ({u}, {v}): σu and σv are parallel or undefined, or the metric is \
+                 not positive definite"
             ),
         }
     }

@@ -3,6 +3,7 @@
 mod shapes;
 
 use geodesic::frame::Frame;
+use geodesic::measure::{self, MeasureError};
 use geodesic::metric::{Metric, christoffel, gaussian_curvature};
 use geodesic::surface::{Side, Surface};
 use geodesic::trace::{Options, Status, Trace, TraceError, TraceMethod, trace};
@@ -280,6 +281,26 @@ fn a_metric_is_degenerate_where_it_is_not_positive() {
         matches!(start, Err(TraceError::DegenerateStart { .. })),
         "{start:?}"
     );
+}
+
+#[test]
+fn the_first_form_of_a_metric_is_its_own_or_none_where_it_is_not_semidefinite() {
+    let at = [0.5, 0.5];
+    for form in [
+        [1.0, -2.0, 1.0],
+        [1.0, 2.0, 1.0],
+        [1.0, 0.0, -1.0],
+        [-1.0, 0.0, 1.0],
+    ] {
+        let s = metric([[0.0, 1.0]; 2], |m| form.map(|x| m.c(x)));
+        let found = measure::place(&s, at);
+        assert_eq!(found, Err(MeasureError::Degenerate { at }), "{form:?}");
+    }
+    // (du − dv/2)²
+    let form = [1.0, -0.5, 0.25];
+    let s = metric([[0.0, 1.0]; 2], |m| form.map(|x| m.c(x)));
+    let found = measure::place(&s, at).expect("a semidefinite form");
+    assert_eq!((found.form, found.gaussian), (form, None));
 }
 
 #[test]

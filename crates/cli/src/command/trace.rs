@@ -43,7 +43,7 @@ The status is one of
   complete      it reached its full length
   left_domain   it reached an edge of the surface or of the solid
   cone_point    it ran into the tip of a cone, beyond which no direction is straight ahead
-  degenerate    σu and σv are parallel there; on a solid, the gradient is 0 there
+  degenerate    σu and σv are parallel there, or a metric is not positive definite; on a solid, the gradient is 0 there
   undefined     the surface is undefined there
   work_limit    it reached the limit of evaluations (--max-evaluations)"
 )]
@@ -391,9 +391,15 @@ fn lost_rank(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
     let vanishes = |lengths: [f64; 2], k: usize| lengths[k] < VANISHING * lengths[1 - k];
     let here = lengths(uv);
     let Some(zero) = (0..2).find(|&k| vanishes(here, k)) else {
-        return "σu and σv are parallel there".into();
+        return match surface.is_embedded() {
+            true => "σu and σv are parallel there".into(),
+            false => "the metric is not positive definite there".into(),
+        };
     };
-    let tangent = ["σu", "σv"][zero];
+    let tangent = match surface.is_embedded() {
+        true => ["σu", "σv"][zero],
+        false => ["E", "G"][zero],
+    };
     // On a line of constant u or of constant v: it is still zero a part of the way along it.
     let is_line = |axis: usize| {
         let [low, high] = domain[1 - axis];

@@ -74,7 +74,10 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let jet = surface.jet(uv);
     let [mut e, mut g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
     let apex = apex_at(surface, uv);
-    if apex.is_none() && !jet.du.iter().chain(&jet.dv).all(|x| x.is_finite()) {
+    let is_finite = jet.du.iter().chain(&jet.dv).all(|x| x.is_finite());
+    // A metric that is not semidefinite.
+    let is_indefinite = !surface.is_embedded() && e == 0.0 && g == 0.0;
+    if apex.is_none() && (!is_finite || is_indefinite) {
         return Err(MeasureError::Degenerate { at: uv.0 });
     }
     if apex.is_none() && is_on_crease(surface, uv) {
