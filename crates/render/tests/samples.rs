@@ -142,6 +142,17 @@ fn the_box_contains_each_branch_of_an_object_with_poles() {
             1,
             vec![[-4.0, -0.2, 0.0], [4.0, 3.0, 0.0]],
         ),
+        // The loop of a folium is no slope, although most of its samples are near the origin.
+        (
+            "curve c(t) = (3t/(1 + t^3), 3t^2/(1 + t^3), 0), t : [-10, 10, 400];",
+            1,
+            vec![[0.0; 3], [1.587, 1.26, 0.0], [1.26, 1.587, 0.0]],
+        ),
+        (
+            "curve c(t) = (3t/(1 + t^3), 3t^2/(1 + t^3), 0), t : [-5, 20];",
+            0,
+            vec![[0.0; 3], [1.587, 1.26, 0.0], [1.26, 1.587, 0.0]],
+        ),
     ];
     for (text, axis, places) in cases {
         let [low, high] = corners(&samples(text).0);

@@ -33,6 +33,17 @@ const LEAST_BRANCH: f64 = 0.1;
 /// If there are fewer samples, none is an outlier.
 const FEWEST: usize = 50;
 const EVERYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// A coordinate that turns more often may oscillate on its way to a pole: its turns tell nothing.
+const MOST_TURNS: usize = 16;
+/// The interval around no value.
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// A part of an object that nothing interrupts.
+struct Branch {
+    places: Vec<[f64; 3]>,
+    /// True if the places are those of a curve, in order.
+    is_curve: bool,
+}
 
 /// Returns the interval along each axis beyond which coarse places of an object are outliers. The places are those at the
 /// parameters `axes`, the first of which varies fastest, of one instance after the other; those at poles become undefined.
@@ -65,36 +76,58 @@ pub(super) fn limits(
             let branches = parts.zip(&instances).flat_map(|(places, cells)| {
                 let least = LEAST_BRANCH * finite(places).len() as f64;
                 let branches = cells.branches(places).into_iter();
-                branches.filter(move |branch| branch.len() as f64 >= least)
+                branches.filter(move |branch| branch.places.len() as f64 >= least)
             });
             (WITH_POLES, branches.collect())
         }
     };
     if branches.is_empty() {
-        branches.push(all);
+        branches.push(Branch {
+            places: all,
+            is_curve: false,
+        });
     }
-    std::array::from_fn(|k| {
-        let values = |branch: &Vec<[f64; 3]>| branch.iter().map(|place| place[k]).collect();
-        measure.interval(branches.iter().map(values).collect())
-    })
+    std::array::from_fn(|k| measure.interval(&branches, k))
+}
+
+impl Branch {
+    /// Returns the interval of the coordinate `k` between the slopes at both ends of a curve, which may lead to poles: from where
+    /// it turns first to where it turns last.
+    fn between_slopes(&self, k: usize) -> Option<[f64; 2]> {
+        let value = |place: &[f64; 3]| place[k];
+        let is_turn = |three: &&[[f64; 3]]| {
+            let [a, b, c] = [0, 1, 2].map(|n| value(&three[n]));
+            (b - a) * (c - b) < 0.0
+        };
+        let turns = || self.places.windows(3).filter(is_turn);
+        if !self.is_curve || turns().count() > MOST_TURNS {
+            return None;
+        }
+        let at_turns = turns().map(|three| value(&three[1]));
+        at_turns.fold(None, |all, x| {
+            let [low, high] = all.unwrap_or([x; 2]);
+            Some([x.min(low), x.max(high)])
+        })
+    }
 }
 
 impl Measure {
-    /// Returns the interval beyond which values of branches are outliers.
-    fn interval(&self, mut branches: Vec<Vec<f64>>) -> [f64; 2] {
-        let count: usize = branches.iter().map(Vec::len).sum();
+    /// Returns the interval beyond which values of the branches' coordinate `k` are outliers.
+    fn interval(&self, branches: &[Branch], k: usize) -> [f64; 2] {
+        let count: usize = branches.iter().map(|branch| branch.places.len()).sum();
         let around = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
-        let mut inner = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut whole = inner;
+        let (mut inner, mut whole) = (NOTHING, NOTHING);
         let mut size = 0.0;
-        for branch in &mut branches {
-            branch.sort_unstable_by(f64::total_cmp);
-            let last = branch.len() - 1;
-            let [low, high] = [self.outer, 1.0 - self.outer]
-                .map(|share| branch[(share * last as f64).round() as usize]);
+        for branch in branches {
+            let mut values: Vec<f64> = branch.places.iter().map(|place| place[k]).collect();
+            values.sort_unstable_by(f64::total_cmp);
+            let last = values.len() - 1;
+            let middle = [self.outer, 1.0 - self.outer]
+                .map(|share| values[(share * last as f64).round() as usize]);
+            let [low, high] = around(middle, branch.between_slopes(k).unwrap_or(middle));
             inner = around(inner, [low, high]);
-            whole = around(whole, [branch[0], branch[last]]);
-            size += (high - low) * (branch.len() as f64 / count as f64);
+            whole = around(whole, [values[0], values[last]]);
+            size += (high - low) * (values.len() as f64 / count as f64);
         }
         let reach = self.reach * size;
         let [low, high] = [inner[0] - reach, inner[1] + reach];
@@ -207,7 +240,7 @@ impl Cells {
 
     /// Returns the branches of the instance with these places: what is defined, and is joined by sides of cells that are not
     /// all open.
-    fn branches(&self, places: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
+    fn branches(&self, places: &[[f64; 3]]) -> Vec<Branch> {
         let [columns, rows] = self.counts;
         let is_closed = |i: usize, j: usize| {
             let is_cell = i + 1 < columns && (j + 1 < rows || rows == 1);
@@ -244,7 +277,11 @@ impl Cells {
                 }
             }
             if !branch.is_empty() {
-                branches.push(branch);
+                // From its first place, a curve goes on to the next one.
+                branches.push(Branch {
+                    places: branch,
+                    is_curve: rows == 1,
+                });
             }
         }
         branches
