@@ -21,8 +21,8 @@ pub enum TraceMethod {
     #[default]
     Adaptive,
     /// This many equal steps (at least one) of the classical Runge–Kutta method in (u,v), as in the thesis (equations
-    /// 4.2), for comparison. Its error is estimated from a second run with half the number of steps; both are within
-    /// the limit on evaluations.
+    /// 4.2), for comparison. Its error is estimated from a second run with half the number of steps, or with two for
+    /// one; both are within the limit on evaluations.
     Rk4 {
         /// The number of steps.
         steps: u32,
@@ -289,20 +289,27 @@ pub(crate) fn trace_from(
                 limit: options.max_evaluations / 3 * 2,
                 ..common
             };
-            let coarse = IntegrationPlan {
-                step: 2.0 * step,
+            let plan = fine;
+            let mut fine = integrate::integrate_observed(atlas, start, length, plan, noting);
+            // A single step is compared with two halves of it.
+            let is_single = fine.steps < 2;
+            let other = IntegrationPlan {
+                step: if is_single {
+                    0.5 * fine.length
+                } else {
+                    2.0 * step
+                },
                 limit: options.max_evaluations,
                 keep_path: false,
-                ..fine
+                ..plan
             };
-            let mut fine = integrate::integrate_observed(atlas, start, length, fine, noting);
             // Where the first run ended early, the second one is compared with it there.
-            let coarse = integrate::integrate(atlas, start, fine.length, coarse);
-            let gap = atlas.gap(fine.state.at, coarse.state.at);
+            let other = integrate::integrate(atlas, start, fine.length, other);
+            let gap = atlas.gap(fine.state.at, other.state.at);
             // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson extrapolation), once steps
             // are short enough for the order to show.
             let size = atlas.layout.scale.size.min(length);
-            fine.error = if gap > CONVERGED * size {
+            fine.error = if is_single || gap > CONVERGED * size {
                 gap
             } else {
                 gap / 15.0

@@ -400,6 +400,24 @@ fn the_method_of_the_thesis_converges_with_order_four() {
     );
 }
 
+#[test]
+fn a_single_step_of_the_method_of_the_thesis_has_an_estimate() {
+    let sphere = spheroid(1.0, 1.0);
+    let exact = go(&sphere, [1.0, 1.0], [1.0, 1.0], 1.0);
+    for steps in [1, 2] {
+        let options = Options {
+            method: TraceMethod::Rk4 { steps },
+            ..Options::default()
+        };
+        let end = trace(&sphere, [1.0, 1.0], [1.0, 1.0], 1.0, &options).expect("a start");
+        let error = distance(place(&end), place(&exact));
+        assert!(
+            error > 1e-3 && error < 3.0 * end.error_estimate,
+            "{error} {end:?}"
+        );
+    }
+}
+
 /// Steps and evaluations as exact numbers: a change here is a change of what tracing costs.
 #[test]
 fn the_work_is_what_it_was() {

@@ -860,6 +860,17 @@ fn on_a_skewed_torus_the_distance_is_that_of_the_nearest_copy() {
 }
 
 #[test]
+fn curvatures_of_extreme_sizes_are_exact() {
+    for size in [1e-160, 1e-150, 1.0, 1e150, 1e160] {
+        let found = measure::place(&sphere_in_units(1.0, size, 0.0), [1.0, 0.3]).expect("a place");
+        let mean = found.mean.expect("a mean curvature");
+        near(&format!("{size:e}"), mean * size, -1.0, 1e-12);
+        let area = found.form[0] * found.form[2];
+        assert!(area.is_nan() || found.form[1] == 0.0, "{size:e}: {found:?}");
+    }
+}
+
+#[test]
 fn distances_of_extreme_sizes_are_found() {
     let sphere = |size: f64| sphere_in_units(1.0, size, 0.0);
     let [from, to] = [[0.3, 0.2], [1.0, -0.4_f64]];

@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use super::MeasureError;
+use super::rescaled::Rescaled;
 use crate::chart::Atlas;
 use crate::frame::Frame;
 use crate::interpolate::MIDDLE_OF_SIX;
@@ -41,6 +42,29 @@ pub struct Principal {
     pub direction: [f64; 2],
 }
 
+impl PlaceMeasures {
+    /// Converts what was measured in usual units to the surface's own.
+    fn rescaled(self, usual: &Rescaled<'_>) -> Self {
+        let size = usual.size();
+        let [e, f, g] = self.form;
+        let principal = |it: Principal| Principal {
+            curvature: it.curvature / size,
+            direction: usual.restored_vector(it.direction.into()).0,
+        };
+        Self {
+            uv: usual.restored(self.uv),
+            form: [
+                usual.restored_product(e, [0, 0]),
+                usual.restored_product(f, [0, 1]),
+                usual.restored_product(g, [1, 1]),
+            ],
+            gaussian: self.gaussian.map(|it| it / size / size),
+            mean: self.mean.map(|it| it / size),
+            principal: self.principal.map(|both| both.map(principal)),
+        }
+    }
+}
+
 /// The maximum relative difference of two principal curvatures that count as equal.
 const UMBILIC: f64 = 1e-7;
 
@@ -62,6 +86,11 @@ fn rounded(number: f64, size: f64) -> f64 {
 /// [`MeasureError`] where the point is outside the domain or on a crease, or the surface is undefined.
 pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, MeasureError> {
     let given = uv.into();
+    if let Some(usual) = Rescaled::of(surface) {
+        let found = place(&usual, usual.changed(given));
+        let found = found.map_err(|error| usual.restored_error(error))?;
+        return Ok(found.rescaled(&usual));
+    }
     match Frame::new(surface, given, 0.0, 1.0) {
         // At the tip of a cone, E, F and G exist.
         Ok(_) | Err(TraceError::DegenerateStart { .. }) => {}

@@ -81,6 +81,12 @@ impl<'s> Rescaled<'s> {
         TangentVector([0, 1].map(|k| vector[k] * (self.units[k] / self.size)))
     }
 
+    /// Converts an inner product of two of σu and σv, by their indices.
+    pub(super) fn restored_product(&self, product: f64, of: [usize; 2]) -> f64 {
+        of.into_iter()
+            .fold(product, |product, k| product * (self.size / self.units[k]))
+    }
+
     /// Converts an error's point and length to the surface's own units.
     pub(super) fn restored_error(&self, error: MeasureError) -> MeasureError {
         let place = |at: [f64; 2]| self.restored(Uv(at)).0;
