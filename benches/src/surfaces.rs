@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use glam::{DAffine3, DVec3};
 use tracer::{Ray, SetStep, World, WorldBuilder};
 
-#[path = "../../crates/expr/tests/formula/mod.rs"]
+#[path = "../../crates/expr/tests/suite/formula/mod.rs"]
 mod formula;
-#[path = "../../crates/tracer/tests/scenes/mod.rs"]
+#[path = "../../crates/tracer/tests/suite/scenes/mod.rs"]
 mod scenes;
 
 use crate::measure::thread_clock;

@@ -1,6 +1,6 @@
 //! Animations: what moves, and files read back.
 
-#[path = "../../render/tests/scenes/mod.rs"]
+#[path = "../../render/tests/suite/scenes/mod.rs"]
 mod scenes;
 
 use std::io::Cursor;

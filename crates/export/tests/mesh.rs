@@ -1,6 +1,6 @@
 //! Exported files, read back by programs that did not write them, against closed forms.
 
-#[path = "../../render/tests/scenes/mod.rs"]
+#[path = "../../render/tests/suite/scenes/mod.rs"]
 mod scenes;
 
 use std::collections::HashMap;

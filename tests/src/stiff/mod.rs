@@ -8,7 +8,7 @@ mod hyperbolic;
 mod polar;
 mod revolution;
 mod rough;
-#[path = "../../../crates/geodesic/tests/shapes/mod.rs"]
+#[path = "../../../crates/geodesic/tests/suite/shapes/mod.rs"]
 pub(crate) mod shapes;
 pub mod spheroids;
 mod whole;
