@@ -31,6 +31,8 @@ pub struct Editor {
     pub version: i32,
     /// The last known content of the file.
     saved: String,
+    /// True if the file has been deleted or moved, or can no longer be read as text.
+    is_gone: bool,
     /// The file's new text, if it has changed while this one had too.
     pub conflict: Option<String>,
     /// A range to which the cursor is to move.
@@ -50,6 +52,7 @@ impl Editor {
             path,
             is_new: false,
             saved: text.clone(),
+            is_gone: false,
             text,
             version: 0,
             conflict: None,
@@ -67,14 +70,21 @@ impl Editor {
         }
     }
 
-    /// Returns whether the text differs from the file's, or from the initial text of a new program.
+    /// Returns whether the text differs from the file's, or from the initial text of a new program. A file that is gone
+    /// holds no text.
     pub fn is_changed(&self) -> bool {
-        self.text != self.saved
+        self.is_gone || self.text != self.saved
+    }
+
+    /// Notes that the file can no longer be read: the text is not saved anywhere.
+    pub fn note_gone(&mut self) {
+        self.is_gone = true;
     }
 
     /// Notes that the file holds another text. Takes it over unless unsaved changes would be lost. Returns whether the
     /// text has changed.
     pub fn take_changed(&mut self, text: String) -> bool {
+        self.is_gone = false;
         if text == self.text || text == self.saved {
             self.saved = text;
             self.conflict = None;
@@ -105,6 +115,7 @@ impl Editor {
 
     /// Notes that the file holds the text as it is now.
     pub fn note_saved(&mut self) {
+        self.is_gone = false;
         self.saved.clone_from(&self.text);
     }
 
@@ -185,6 +196,22 @@ mod tests {
         assert!(editor.settle(true));
         assert!(!editor.is_changed());
         assert_eq!(editor.text, "theirs");
+    }
+
+    #[test]
+    fn the_text_of_a_file_that_is_gone_is_not_saved_until_the_file_is_back() {
+        let mut editor = editor();
+        editor.note_gone();
+        assert!(editor.is_changed());
+        assert!(!editor.take_changed("one".into()));
+        assert!(!editor.is_changed());
+        // As when another branch is checked out: the text was not edited, and the new one is followed.
+        editor.note_gone();
+        assert!(editor.take_changed("two".into()));
+        assert!(!editor.is_changed());
+        editor.note_gone();
+        editor.note_saved();
+        assert!(!editor.is_changed());
     }
 
     #[test]

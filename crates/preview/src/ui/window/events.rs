@@ -212,7 +212,9 @@ impl Window {
                 }
             }
             Err(reason) => {
-                let sentence = format!("{UNREADABLE} ({reason}); its last text is kept here");
+                editor.note_gone();
+                let sentence =
+                    format!("{UNREADABLE} ({reason}); its last text is kept here, not saved");
                 self.status_message = Some(StatusMessage::error(sentence));
             }
         }
@@ -339,5 +341,30 @@ mod tests {
         assert_eq!(window.text(), Some("define a = 1;"));
         window.take_changed(changed(path));
         assert_eq!(window.text(), Some("define b = 2;"));
+    }
+
+    #[test]
+    fn the_text_of_a_deleted_file_is_not_lost_on_closing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("here.gtr");
+        std::fs::write(&path, "define a = 1;").expect("written");
+        let (context, languages) = (egui::Context::default(), Languages::standard());
+        let window = Window::of_file(&context, &languages, Views::standard(), path.clone(), false);
+        let mut window = window.expect("the file is there");
+        std::fs::remove_file(&path).expect("removed");
+        window.take_changed(ChangedFile {
+            path: path.clone(),
+            text: crate::io::watch::read(&path),
+        });
+        assert!(window.title().starts_with('*'), "{}", window.title());
+        window.go_on(Next::Close);
+        assert!(!window.display.closing && window.dialogs.leaving == Some(Next::Close));
+        let sentence = window.text.rescue().expect("a rescue");
+        let rescued = folder.path().join("here.unsaved.gtr");
+        assert!(sentence.contains("here.unsaved.gtr"), "{sentence}");
+        let rescued = std::fs::read_to_string(rescued).expect("the rescued text");
+        assert_eq!(rescued, "define a = 1;");
+        window.save_text();
+        assert!(!window.text.has_unsaved() && path.exists());
     }
 }
