@@ -61,7 +61,7 @@ export class Sliders {
             this.core.change({ params: { [name]: all } }, `param ${name}`);
         };
         range.addEventListener("input", () => {
-            set(range.valueAsNumber);
+            set(rounded(range.valueAsNumber, min, max));
             number.value = written(range.valueAsNumber);
         });
         // Steps by keys are one until the key is released, as those of a drag are.
@@ -121,6 +121,16 @@ export class Sliders {
         const label = make("label", { htmlFor: id }, title);
         return make("div", { class: "param" }, label, range, number, make("div", { class: "tools" }, animate, into));
     }
+}
+
+/** The value of a slider, with the decimals that distinguish ten thousand positions, as in the window. The ends are exact. */
+function rounded(value: number, min: number, max: number): number {
+    const step = Math.floor(Math.log10((max - min) / 10_000));
+    if (!Number.isFinite(step) || value <= min || value >= max) {
+        return value;
+    }
+    const near = step > 0 ? Math.round(value / 10 ** step) * 10 ** step : Number(value.toFixed(Math.min(-step, 100)));
+    return Math.min(max, Math.max(min, near));
 }
 
 /** A number for a field: as many digits as tell values of a slider apart. */

@@ -6,7 +6,7 @@ use ide::geotrace::edit_param::edit_param;
 use ide::geotrace::{GeotraceAnalysis, hover};
 use scene::{ParamValues, SetError};
 
-/// The text with a value written, which compiles and opens with that value, to a slider's step.
+/// The text with a value written, which compiles and opens with exactly that value.
 fn written(text: &str, param: &str, values: &[f64]) -> String {
     let edit = edit_param(&GeotraceAnalysis::new(text), param, values).expect("an edit");
     let text = apply(text, &[edit]);
@@ -14,10 +14,7 @@ fn written(text: &str, param: &str, values: &[f64]) -> String {
     let scene = compilation.scene.as_ref().expect("no errors");
     let params = ParamValues::initial(scene);
     let read = scene.params.iter().find(|it| it.name == param).expect("it");
-    for ((value, opening), range) in values.iter().zip(params.param(read)).zip(&read.ranges) {
-        let step = (range.max - range.min) / 10_000.0;
-        assert!((value - opening).abs() <= 0.5 * step, "{value} in {text}");
-    }
+    assert_eq!(params.param(read), values, "{text}");
     // Written twice it is as it was.
     let again = edit_param(&GeotraceAnalysis::new(&*text), param, values).expect("an edit");
     assert_eq!(apply(&text, &[again]), text);
@@ -42,8 +39,30 @@ fn a_value_is_put_before_the_intervals_or_in_place_of_the_one_that_is_there() {
         (
             "define a = 2pi;\nparam r : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
             &[-0.123_456, 6.25],
-            "define a = 2pi;\nparam r = (-0.1235, 6.25) : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
+            "define a = 2pi;\nparam r = (-0.123456, 6.25) : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
         ),
+        (
+            "param r : [0, 100];",
+            &[0.1234],
+            "param r = 0.1234 : [0, 100];",
+        ),
+        (
+            "param r : [0, 1e9];",
+            &[123_500_000.0],
+            "param r = 1.235e8 : [0, 1e9];",
+        ),
+        (
+            "param r : [0, 1000pi];",
+            &[std::f64::consts::TAU],
+            "param r = 6.283185307179586 : [0, 1000pi];",
+        ),
+        // The text states this value already.
+        (
+            "param r = 2pi : [0, 1000pi];",
+            &[std::f64::consts::TAU],
+            "param r = 2pi : [0, 1000pi];",
+        ),
+        ("param r : [-1, 1];", &[-1.0], "param r = -1 : [-1, 1];"),
         (
             "define oops = ;\nparam r : [0, 1];",
             &[0.5],

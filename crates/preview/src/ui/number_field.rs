@@ -65,6 +65,11 @@ pub(crate) fn report(message: &mut Option<StatusMessage>, ui: &Ui) {
     }
 }
 
+/// Returns whether a number has been typed into a field in this frame.
+pub(crate) fn is_typed(ui: &Ui) -> bool {
+    ui.data(|data| data.get_temp::<Option<String>>(typed()).is_some())
+}
+
 /// Removes the sentence about a refused text.
 pub(crate) fn withdraw(message: &mut Option<StatusMessage>) {
     message.take_if(|it| it.text.contains(REFUSAL));

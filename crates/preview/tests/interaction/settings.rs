@@ -98,6 +98,53 @@ fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_stopped() {
         (to - from - 0.5).abs() < 1e-3,
         "30 frames of a sixtieth of a second: {from} to {to}"
     );
+#[test]
+fn the_value_that_is_written_into_the_text_is_the_one_that_is_shown() {
+    let mut hand = Hand::on(
+        "param big = 2pi : [0, 1000pi];\nparam a = 1 : [0, 100];\npoint p = (a, big, 0);\n",
+    );
+    hand.update_text("big");
+    hand.settle();
+    let text = |hand: &Hand| hand.window().text().expect("a text").to_owned();
+    let shown = |hand: &Hand| {
+        let model = hand.window().model();
+        let scene = model.scene.clone().expect("a scene");
+        let param = scene.params.iter().find(|it| it.name == "a");
+        let values = model.chosen_values().expect("values");
+        values.param(param.expect("declared"))[0]
+    };
+    assert!(
+        text(&hand).starts_with("param big = 2pi :"),
+        "{}",
+        text(&hand)
+    );
+    hand.type_number(Role::SpinButton, "a", "0.1234");
+    assert_eq!(shown(&hand), 0.1234);
+    hand.update_text("a");
+    hand.settle();
+    assert!(
+        text(&hand).contains("param a = 0.1234 :"),
+        "{}",
+        text(&hand)
+    );
+    assert_eq!(shown(&hand), 0.1234);
+    // A drag has no more digits than the slider has positions, in the picture too.
+    hand.slide("a", 30.0);
+    let value = shown(&hand);
+    assert!(
+        value > 1.0 && value == (value * 100.0).round() / 100.0,
+        "{value}"
+    );
+    hand.update_text("a");
+    hand.settle();
+    assert!(
+        text(&hand).contains(&format!("param a = {value} :")),
+        "{}",
+        text(&hand)
+    );
+    assert_eq!(shown(&hand), value);
+}
+
     // It begins anew at the least value.
     hand.harness.run_steps(90);
     assert!((1.0..=3.0).contains(&hand.param("r")));

@@ -144,11 +144,15 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
         let before = ui.spacing().interact_size.x;
         ui.spacing_mut().slider_width = columns.slider;
         ui.spacing_mut().interact_size.x = columns.value;
-        // Only the displayed number is rounded: a slider with few decimals would round the value itself in each frame.
+        // Only the displayed number is rounded, and below one that is dragged: a slider with few decimals would round the
+        // value itself in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut moved, range.min..=range.max).smart_aim(false);
         let displayed = move |value, _| number_field::displayed(value, 0..=decimals);
         let slider = number_field::of_slider(ui, slider, displayed);
+        if moved != value && !number_field::is_typed(ui) {
+            moved = range.rounded(moved);
+        }
         let slider = ui.add(slider).accessible_name(&name);
         ui.spacing_mut().interact_size.x = before;
         take_value(window, ui, param, k, moved, &slider);
