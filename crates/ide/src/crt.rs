@@ -306,6 +306,7 @@ impl Analysis for CrtAnalysis {
         _name: &str,
         direction: [f64; 3],
         position: [f64; 3],
+        _fov: f64,
     ) -> Result<Edit, EditCameraError> {
         edit_settings::edit_camera(self, direction, position)
     }

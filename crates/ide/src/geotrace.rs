@@ -246,8 +246,9 @@ impl Analysis for GeotraceAnalysis {
         name: &str,
         direction: [f64; 3],
         position: [f64; 3],
+        fov: f64,
     ) -> Result<Edit, EditCameraError> {
-        edit_camera::edit_camera(self, name, direction, position)
+        edit_camera::edit_camera(self, name, direction, position, fov)
     }
 
     fn edit_colour(&self, object: &str, colour: [f64; 3]) -> Result<Edit, EditColourError> {

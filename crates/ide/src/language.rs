@@ -377,7 +377,8 @@ pub trait Analysis: Debug + Send + Sync {
     }
 
     /// Returns the edit after which the camera `name` looks along a direction from a position, in the coordinates of the
-    /// text. An undeclared camera is added. A script has one camera, whatever the name.
+    /// text. An undeclared camera is added with a vertical field of view `fov`, in radians; a declared one keeps its own. A
+    /// script has one camera, whatever the name, and keeps its field of view even if it does not state it.
     ///
     /// # Errors
     /// [`EditCameraError`] with the reason.
@@ -386,6 +387,7 @@ pub trait Analysis: Debug + Send + Sync {
         name: &str,
         direction: [f64; 3],
         position: [f64; 3],
+        fov: f64,
     ) -> Result<Edit, EditCameraError> {
         Err(EditCameraError::NoCameras)
     }

@@ -11,7 +11,9 @@ const POSITION: [f64; 3] = [1.0, 2.0 / 3.0, -5.0];
 const DIRECTION: [f64; 3] = [0.0, -0.25, 4.0];
 
 fn camera(text: &str) -> Result<String, EditCameraError> {
-    let edit = Crt.read(text).edit_camera("camera", DIRECTION, POSITION)?;
+    let edit = Crt
+        .read(text)
+        .edit_camera("camera", DIRECTION, POSITION, 0.6)?;
     Ok(apply(text, &[edit]))
 }
 
@@ -101,7 +103,7 @@ fn a_camera_that_is_computed_is_left_alone() {
     ));
     let nowhere = Crt
         .read("Scene { }")
-        .edit_camera("camera", [0.0; 3], POSITION);
+        .edit_camera("camera", [0.0; 3], POSITION, 0.6);
     assert_eq!(nowhere, Err(EditCameraError::NotAPlace));
 }
 
@@ -109,7 +111,7 @@ fn a_camera_that_is_computed_is_left_alone() {
 fn numbers_have_no_exponents_and_integers_fit() {
     let edit = Crt
         .read("Scene { }")
-        .edit_camera("camera", [0.0, 0.0, 3e12], [4e9, 0.0, 1e-9]);
+        .edit_camera("camera", [0.0, 0.0, 3e12], [4e9, 0.0, 1e-9], 0.6);
     let text = apply("Scene { }", &[edit.expect("an edit")]);
     let analysis = Crt.read(&text);
     assert_eq!(

@@ -139,7 +139,7 @@ fn every_feature_answers_at_every_place_of_any_text() {
         for stated in colour::colours(&analysis) {
             assert!(!stated.span.text(text).is_empty());
         }
-        let written = edit_camera(&analysis, "eye", [0.0, 1.0, 0.0], [0.0; 3]);
+        let written = edit_camera(&analysis, "eye", [0.0, 1.0, 0.0], [0.0; 3], 0.6);
         assert_eq!(written.expect("a free name").span, Span::new(end, end));
         fix::fixes(analysis.diagnostics(), whole);
         let laid_out = apply(text, &format::format(&analysis, None));

@@ -6,10 +6,11 @@ use ide::geotrace::GeotraceAnalysis;
 use ide::geotrace::edit_camera::edit_camera;
 
 const DIRECTION: [f64; 3] = [0.0, 1.0, -0.25];
+const FOV: f64 = 0.6;
 const POSITION: [f64; 3] = [0.0, -3.0, 2.0 / 3.0];
 
 fn written(text: &str, name: &str) -> Result<String, EditCameraError> {
-    let edit = edit_camera(&GeotraceAnalysis::new(text), name, DIRECTION, POSITION)?;
+    let edit = edit_camera(&GeotraceAnalysis::new(text), name, DIRECTION, POSITION, FOV)?;
     Ok(apply(text, &[edit]))
 }
 
@@ -31,7 +32,7 @@ fn the_place_of_a_camera_is_replaced_and_its_attributes_stay() {
 
 #[test]
 fn a_camera_that_is_not_declared_stands_at_the_end() {
-    let wanted = "camera eye = (0, 1, -0.25) @ (0, -3, 0.6667);\n";
+    let wanted = "camera eye = (0, 1, -0.25) @ (0, -3, 0.6667), fov : 0.6;\n";
     for (text, before) in [
         ("", ""),
         ("define a = 1;", "define a = 1;\n"),
@@ -66,7 +67,7 @@ fn what_cannot_be_written_is_refused_with_a_sentence() {
         ([f64::MAX; 3], POSITION),
         (DIRECTION, [0.0, f64::INFINITY, 0.0]),
     ] {
-        let refused = edit_camera(&analysis, "eye", direction, position);
+        let refused = edit_camera(&analysis, "eye", direction, position, FOV);
         assert_eq!(refused, Err(EditCameraError::NotAPlace));
     }
 }
@@ -91,8 +92,8 @@ fn numbers_have_the_digits_that_the_direction_needs() {
             "(1e-20, 0e0, 0e0) @ (1e0, 0e0, 3e15)",
         ),
     ] {
-        let edit = edit_camera(&analysis, "eye", direction, position).expect("an edit");
-        assert_eq!(edit.text, format!("camera eye = {wanted};\n"));
+        let edit = edit_camera(&analysis, "eye", direction, position, FOV).expect("an edit");
+        assert_eq!(edit.text, format!("camera eye = {wanted}, fov : 0.6;\n"));
         let compiled = scene::geotrace::compile(&edit.text);
         assert!(compiled.scene.is_some(), "{:?}", compiled.diagnostics);
     }

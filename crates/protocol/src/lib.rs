@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use crate::changes::Changes;
 
 /// The version of the messages. It is raised whenever a message changes its meaning.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The first message of each side.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
@@ -170,6 +170,8 @@ pub enum Event {
         direction: [f64; 3],
         /// Its position; finite.
         position: [f64; 3],
+        /// The vertical field of view of a new camera, in radians.
+        fov: f64,
     },
     /// The user wants another colour of an object in the text, as one undoable step.
     #[serde(rename = "writeColor")]

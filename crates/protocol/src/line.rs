@@ -271,6 +271,7 @@ mod tests {
                 name: "eye".to_owned(),
                 direction: [0.0, 4.0, -1.0],
                 position: [0.1, -4.0, 1e-300],
+                fov: 0.6,
             },
             Event::WriteColour {
                 version: 2,

@@ -55,6 +55,12 @@ impl SpaceCamera {
         2.0 * self.distance() * self.tangent
     }
 
+    /// Returns the vertical field of view in a picture of some size, in radians.
+    pub fn vertical_fov(&self, [width, height]: [u32; 2]) -> f64 {
+        let shorter = width.min(height).max(1);
+        2.0 * (self.tangent * f64::from(height) / f64::from(shorter)).atan()
+    }
+
     /// Returns the unit vector along which it looks.
     fn forward(&self) -> DVec3 {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)

@@ -262,7 +262,8 @@ impl Editing {
         ))
     }
 
-    /// Returns the edit that gives a camera of the text a position and a direction.
+    /// Returns the edit that gives a camera of the text a position and a direction, and a new one a vertical field of view,
+    /// in radians.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
@@ -271,8 +272,10 @@ impl Editing {
         name: &str,
         direction: [f64; 3],
         position: [f64; 3],
+        fov: f64,
     ) -> Result<Value, String> {
-        let edit = self.analysis().edit_camera(name, direction, position);
+        let analysis = self.analysis();
+        let edit = analysis.edit_camera(name, direction, position, fov);
         Ok(json!(
             self.page_edit(&edit.map_err(|error| error.to_string())?)
         ))

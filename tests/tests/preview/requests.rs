@@ -162,6 +162,7 @@ async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
             "name": name,
             "direction": direction,
             "position": [0.5, -3.0, 1.0 / 3.0],
+            "fov": 0.6,
         })
     };
     window.send(write("eye", json!([0, 1, 0]))).await;

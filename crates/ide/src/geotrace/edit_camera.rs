@@ -14,7 +14,7 @@ use crate::edit::Edit;
 use crate::edit_camera::{EditCameraError, short_numbers};
 
 /// Returns the edit after which the camera `name` looks along `direction` from `position`. An undeclared camera is added at the
-/// end.
+/// end, with a vertical field of view `fov` in radians.
 ///
 /// # Errors
 /// If the name denotes something else, the numbers are not a valid view, or a comment would be lost.
@@ -23,10 +23,11 @@ pub fn edit_camera(
     name: &str,
     direction: [f64; 3],
     position: [f64; 3],
+    fov: f64,
 ) -> Result<Edit, EditCameraError> {
     let length = direction[0].hypot(direction[1]).hypot(direction[2]);
     let is_place = length > 0.0 && length.is_finite() && position.iter().all(|x| x.is_finite());
-    if !is_place {
+    if !is_place || !fov.is_finite() {
         return Err(EditCameraError::NotAPlace);
     }
     let [direction, position] = [direction, position]
@@ -35,7 +36,8 @@ pub fn edit_camera(
     match analysis.declared(name) {
         Some(item) if item.keyword == DeclarationKeyword::Camera => replace(analysis, &item, view),
         None if is_free(analysis, name) => {
-            let line = format!("camera {name} = {view};\n");
+            let [fov, ..] = short_numbers([fov; 3], fov);
+            let line = format!("camera {name} = {view}, fov : {fov};\n");
             Ok(Edit::append(analysis.document(), &line))
         }
         _ => Err(EditCameraError::NotACamera {

@@ -189,3 +189,25 @@ fn the_camera_is_written_into_its_declaration_or_as_a_new_one() {
     assert!(text.contains("camera eye = ("), "{text}");
     assert!(!hand.window().model().is_stale());
 }
+
+#[test]
+fn the_picture_stays_when_its_camera_is_written_as_a_new_one() {
+    for (size, is_portrait) in [([1200.0, 800.0], true), ([1200.0, 500.0], false)] {
+        let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
+        let room = hand.space().size();
+        assert_eq!(room.y > room.x, is_portrait, "{room}");
+        let space = |hand: &Hand| hand.window().model().choices.space.expect("a camera");
+        let before = space(&hand);
+        hand.click("View");
+        hand.click("Write camera");
+        hand.settle();
+        let text = hand.window().text().expect("its own");
+        assert!(text.contains(", fov : 0."), "{text}");
+        let after = space(&hand);
+        assert!(
+            (after.tangent - before.tangent).abs() < 1e-4,
+            "{before:?} {after:?}"
+        );
+        assert!((0..3).all(|k| (after.eye[k] - before.eye[k]).abs() < 1e-3));
+    }
+}

@@ -377,12 +377,14 @@ impl PreviewWindow {
                 name,
                 direction,
                 position,
+                fov,
                 ..
             } => {
                 let _ = requests.try_send(WindowRequest::WriteCamera {
                     name,
                     direction,
                     position,
+                    fov,
                 });
             }
             Event::WriteColour { object, colour, .. } => {

@@ -239,7 +239,7 @@ impl Core {
     }
 
     /// Returns the size of a pane's picture at rest.
-    fn size(&self, id: &ViewId) -> Option<[u32; 2]> {
+    pub(super) fn size(&self, id: &ViewId) -> Option<[u32; 2]> {
         let pane = self.pictures.panes.get(id)?;
         let preferences = &self.model.choices.preferences;
         Some(refinement::size_at_rest(preferences, id, pane.room))

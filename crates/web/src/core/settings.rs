@@ -1,5 +1,6 @@
 //! The settings in the page's form: JSON, as the window writes them beside a program.
 
+use render::ViewId;
 use serde_json::{Value, json};
 use session::{Choices, Step};
 
@@ -121,7 +122,9 @@ impl Core {
         // Scripts may name the axes of space otherwise.
         let [eye, target] = [camera.eye, camera.target].map(|place| scene.stated(place));
         let direction = [0, 1, 2].map(|k| target[k] - eye[k]);
-        self.editing.write_camera(&name, direction, eye)
+        let pane = ViewId::of_scene(self.views.first().name());
+        let fov = camera.vertical_fov(self.size(&pane).unwrap_or([1; 2]));
+        self.editing.write_camera(&name, direction, eye, fov)
     }
 }
 

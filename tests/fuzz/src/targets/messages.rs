@@ -138,7 +138,7 @@ pub(super) fn responses(input: &[u8]) -> Vec<serde_json::Value> {
 /// Lines of the server to a window, and back.
 pub(crate) fn lines() -> Vec<Vec<u8>> {
     [
-        r#"{"type":"hello","protocol":2,"program":"0.1.0"}"#,
+        r#"{"type":"hello","protocol":3,"program":"0.1.0"}"#,
         r#"{"type":"text","uri":"file:///a.gtr","path":"/a.gtr","version":1,"text":"define a = 1;"}"#,
         r#"{"type":"edit","version":2,"base":1,"changes":[{"range":[0,1],"text":"é"},{"range":[4,4],"text":"xy"}]}"#,
         r#"{"type":"show","view":{"view":"geodesic","surface":"s"}}"#,

@@ -162,16 +162,20 @@ impl Window {
             None => vector,
         };
         let [direction, position] = [direction, camera.eye].map(stated);
+        let pane = ViewId::of_scene(self.views.first().name());
+        let room = self.pictures.of_views.get(&pane).and_then(|view| view.room);
+        let fov = camera.vertical_fov(room.unwrap_or([1; 2]));
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.send(Event::WriteCamera {
                 version: self.model.program.version,
                 name,
                 direction,
                 position,
+                fov,
             }),
             TextSource::File { editor, .. } => {
                 let written =
-                    editor.write(|analysis| analysis.edit_camera(&name, direction, position));
+                    editor.write(|analysis| analysis.edit_camera(&name, direction, position, fov));
                 self.note_written(written);
             }
         }

@@ -30,6 +30,7 @@ pub(super) enum WindowRequest {
         name: String,
         direction: [f64; 3],
         position: [f64; 3],
+        fov: f64,
     },
     /// To write the colour of an object into the text.
     WriteColour { object: String, colour: [f64; 3] },
@@ -48,7 +49,8 @@ pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<W
                     name,
                     direction,
                     position,
-                } => window.write_camera(name, direction, position).await,
+                    fov,
+                } => window.write_camera(name, direction, position, fov).await,
                 WindowRequest::WriteColour { object, colour } => {
                     window.write_colour(object, colour).await
                 }
@@ -111,10 +113,16 @@ impl PreviewWindow {
         self.write(label, subject, make).await;
     }
 
-    async fn write_camera(&self, camera: String, direction: [f64; 3], position: [f64; 3]) {
+    async fn write_camera(
+        &self,
+        camera: String,
+        direction: [f64; 3],
+        position: [f64; 3],
+        fov: f64,
+    ) {
         let subject = format!("The camera `{camera}`");
         let make = move |analysis: &dyn Analysis| {
-            let edit = analysis.edit_camera(&camera, direction, position);
+            let edit = analysis.edit_camera(&camera, direction, position, fov);
             edit.map_err(|refusal| refusal.to_string())
         };
         self.write("Write camera".to_owned(), subject, make).await;
