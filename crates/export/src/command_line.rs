@@ -63,6 +63,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         trails,
         // A picture that is saved is of a view at rest.
         moving: _,
+        magnification: _,
     } = request;
     let mut options = Vec::new();
     let id = ViewId::from_request(request);

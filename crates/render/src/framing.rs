@@ -13,7 +13,7 @@ use crate::camera::Camera;
 use crate::content::{Content, Structure};
 use crate::declared_camera::declared_lens;
 use crate::error::RenderError;
-use crate::overlay::AxesBox;
+use crate::overlay::{AxesBox, axis_height};
 use crate::point::WorldPoint;
 use crate::request::PictureRequest;
 use crate::viewpoint::Viewpoint;
@@ -224,8 +224,9 @@ fn with_room_for_axes(
     let corners = corners.filter(|_| request.overlays.axes);
     Ok(match corners {
         Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
-            let axes = AxesBox::new(camera, corners, request.scene.stated_axes(), request.scale);
-            axes.extent(camera, request.scale)
+            let height = axis_height(request);
+            let axes = AxesBox::new(camera, corners, request.scene.stated_axes(), height);
+            axes.extent(camera, height)
         }),
         None => camera,
     })
@@ -354,8 +355,9 @@ mod tests {
                 request.overlays.axes = true;
                 let camera = first_camera(&bounds, &viewpoint, &request).expect("a camera");
                 let corners = [bounds.half.map(|half| -half), bounds.half];
-                let axes = AxesBox::new(&camera, corners, [0, 1, 2], request.scale);
-                for place in axes.extent(&camera, request.scale) {
+                let height = axis_height(&request);
+                let axes = AxesBox::new(&camera, corners, [0, 1, 2], height);
+                for place in axes.extent(&camera, height) {
                     let at = camera.pixel_of(DrawingPoint(place.to_array()));
                     let at = at.expect("before the eye").0;
                     let is_inside = |k: usize| (0.0..=f64::from(size[k])).contains(&at[k]);

@@ -26,7 +26,7 @@ mod text;
 pub(crate) use axes::AxesBox;
 pub(crate) use geodesic::GeodesicOverlay;
 pub use labels::PlacedWords;
-pub(crate) use labels::{TextLabel, anchors, placed};
+pub(crate) use labels::{TextLabel, anchors, axis_height, placed};
 pub(crate) use solid::over_solid;
 pub(crate) use space::{KeyedCamera, OverlayObject, camera_objects, trail_objects};
 pub use text::{Contour, outlines};
@@ -128,7 +128,7 @@ pub(crate) fn over_space(
     place: Option<[f32; 4]>,
 ) -> Result<Vec<&'static str>, RenderError> {
     let (key, legend) = space_key(request, camera)?;
-    key.draw(image, request.scale, place);
+    key.draw(image, legend::unit(request), place);
     labels::write(image, labels, request, place);
     let drawn = [("legend", legend), ("labels", request.overlays.labels)];
     let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
@@ -174,7 +174,7 @@ pub(crate) fn space_key_place(
         };
         is_seen || boxes.iter().any(is_word)
     };
-    Ok(key.place(request.size, request.scale, is_covered))
+    Ok(key.place(request.size, legend::unit(request), is_covered))
 }
 
 /// Returns the key to a 3D picture, and whether it has entries other than trails.
@@ -373,7 +373,7 @@ mod tests {
                 objects: &objects,
             };
             let (key, _) = space_key(&request, Some(&keyed)).expect("a key");
-            let place = key.place(request.size, 1.0, |_| false);
+            let place = key.place(request.size, super::legend::unit(&request), |_| false);
             let [_, top, _, bottom] = place.expect("room");
             bottom - top
         };

@@ -60,6 +60,9 @@ pub struct PictureRequest {
     /// [`MOVING_TOLERANCE`](crate::geodesic_view::MOVING_TOLERANCE) pixels, and the software path blurs surfaces at a
     /// grazing angle.
     pub moving: bool,
+    /// The factor by which a coarse picture is magnified to the size of the picture at rest, 1 by default: words may be
+    /// smaller by this factor than their least size.
+    pub magnification: f32,
 }
 
 /// The overlays of a picture; none by default.
@@ -128,6 +131,7 @@ impl PictureRequest {
             scale: 1.0,
             trails: Vec::new(),
             moving: false,
+            magnification: 1.0,
         }
     }
 
@@ -300,6 +304,7 @@ impl PictureRequest {
             scale: _,
             trails,
             moving: _,
+            magnification: _,
         } = &mut whole;
         textures.retain_mut(|(id, _)| renumber(id));
         colours.retain_mut(|(id, _)| renumber(id));

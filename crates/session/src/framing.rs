@@ -29,8 +29,8 @@ struct FramedScene {
     /// The surfaces that leave room even if they are hidden: of the shown camera and of trails.
     occupied: Vec<ObjectId>,
     projection: Projection,
-    /// The scale of the lettering of axes, if there are any.
-    axes: Option<f32>,
+    /// The factors of the size of the lettering of axes, if there are any.
+    axes: Option<[f32; 2]>,
     /// The name of the camera that the program declares, or `None` for its first one; the outer one if it does not count.
     declared: Option<Option<String>>,
 }
@@ -135,7 +135,10 @@ impl FramedScene {
             hidden: space.map_or(Vec::new(), |space| space.hidden.clone()),
             occupied: camera.iter().map(|it| it.surface).chain(trails).collect(),
             projection: space.map_or(Projection::default(), |space| space.camera.projection),
-            axes: request.overlays.axes.then_some(request.scale),
+            axes: request
+                .overlays
+                .axes
+                .then_some([request.scale, request.magnification]),
             declared: with_declared.then(|| space.and_then(|space| space.declared.clone())),
         }
     }

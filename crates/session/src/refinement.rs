@@ -102,6 +102,8 @@ impl PictureProgress<'_> {
         if self.moving || (traced && !is_known) {
             request.moving = true;
             request.size = moving_size(whole, traced, self.shown);
+            let [before, now] = [whole, request.size].map(|[width, height]| width.min(height));
+            request.magnification = before as f32 / now as f32;
             return (!is_known).then_some(request);
         }
         let Some(sent) = self.sent.filter(|_| traced) else {
@@ -163,6 +165,7 @@ mod tests {
         };
         let coarse = pane.next(now.clone(), 4).expect("a request");
         assert_eq!((coarse.size, coarse.moving), ([32; 2], true));
+        assert_eq!((coarse.magnification, now.magnification), (2.0, 1.0));
         pane.sent = Some(&coarse);
         assert!(pane.next(now.clone(), 4).is_none());
         let mut other = now.clone();

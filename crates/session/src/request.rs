@@ -178,7 +178,7 @@ fn overlays(marks: &Marks) -> Overlays {
 /// overlays that the view does not draw, and with a geodesic camera that is specified by an angle.
 pub fn at_rest(mut request: PictureRequest, model: &Model, size: [u32; 2]) -> PictureRequest {
     request.size = size;
-    request.moving = false;
+    (request.moving, request.magnification) = (false, 1.0);
     if request.view.samples().is_some() {
         request.view.set_samples(model.choices.preferences.samples);
     }
@@ -224,6 +224,7 @@ pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
     like.moving = b.moving;
     if let Some(samples) = b.view.samples() {
         like.view.set_samples(samples);
+    like.magnification = b.magnification;
     }
     like == *b
 }

@@ -57,12 +57,12 @@ struct AxisName {
 
 impl AxesBox {
     /// The box between two corners in drawing units; `names` are the axes of the text that the scene's are. An axis along which
-    /// it is flat is not drawn. Words are `scale` times as large as usual.
+    /// it is flat is not drawn. Words have this [height](labels::axis_height).
     pub(crate) fn new(
         camera: &Camera,
         [low, high]: [[f64; 3]; 2],
         names: [usize; 3],
-        scale: f32,
+        height: f32,
     ) -> Self {
         let (low, high) = (DVec3::from(low), DVec3::from(high));
         let middle = 0.5 * (low + high);
@@ -82,7 +82,7 @@ impl AxesBox {
             numbers: Vec::new(),
             names: Vec::new(),
         };
-        let lettering = Lettering::new(camera, scale);
+        let lettering = Lettering { camera, height };
         // The coordinates of the faces behind the scene, and of those before it.
         let pick = |back: bool| {
             let end = |k: usize| {
@@ -204,9 +204,9 @@ impl AxesBox {
     }
 
     /// Returns the places that a camera must see so that it sees all of it, in drawing units: the ends of the lines, and
-    /// the corners of the words, which are `scale` times as large as usual.
-    pub(crate) fn extent(&self, camera: &Camera, scale: f32) -> Vec<DVec3> {
-        let lettering = Lettering::new(camera, scale);
+    /// the corners of the words, which have this height.
+    pub(crate) fn extent(&self, camera: &Camera, height: f32) -> Vec<DVec3> {
+        let lettering = Lettering { camera, height };
         let numbers = self.numbers.iter();
         let numbers = numbers.map(|(place, words)| (*place, words.as_str()));
         let names = self.names.iter();
@@ -219,9 +219,9 @@ impl AxesBox {
         ends.chain(numbers.chain(names).flat_map(corners)).collect()
     }
 
-    /// The names and the numbers, where the camera sees them. A name is moved into the picture where its edge is in it.
-    pub(crate) fn labels(&self, camera: &Camera, scale: f32) -> Vec<TextLabel> {
-        let lettering = Lettering::new(camera, scale);
+    /// The names and the numbers in this height, where the camera sees them. A name is moved into the picture where its edge is in it.
+    pub(crate) fn labels(&self, camera: &Camera, height: f32) -> Vec<TextLabel> {
+        let lettering = Lettering { camera, height };
         let pixel = |place: DVec3| camera.pixel_of(DrawingPoint(place.to_array()));
         let names = self.names.iter().filter_map(|AxisName { name, places }| {
             let half = lettering.size(name).map(|side| 0.5 * side + 1.0);
@@ -259,12 +259,7 @@ struct Lettering<'a> {
     height: f32,
 }
 
-impl<'a> Lettering<'a> {
-    fn new(camera: &'a Camera, scale: f32) -> Self {
-        let height = labels::axis_height(camera.size, scale);
-        Self { camera, height }
-    }
-
+impl Lettering<'_> {
     /// Returns the width and height of words in pixels.
     fn size(&self, words: &str) -> [f64; 2] {
         [text::width(words, self.height), self.height].map(f64::from)
@@ -408,7 +403,7 @@ mod tests {
     use glam::DVec3;
     use scene::ParamValues;
 
-    use super::super::labels::{overlap, placed};
+    use super::super::labels::{axis_height, overlap, placed};
     use super::{AxesBox, NAMES, TICKS, ticks};
     use crate::bounds::Bounds;
     use crate::camera::Camera;
@@ -468,8 +463,9 @@ mod tests {
         let bounds = space::bounds(&request);
         let camera = first_camera(&bounds, &viewpoint, &request).expect("a camera");
         let corners = [bounds.half.map(|half| -half), bounds.half];
-        let axes = AxesBox::new(&camera, corners, [0, 1, 2], request.scale);
-        let labels = axes.labels(&camera, request.scale);
+        let height = axis_height(&request);
+        let axes = AxesBox::new(&camera, corners, [0, 1, 2], height);
+        let labels = axes.labels(&camera, height);
         let words = placed(&labels, &request, None).into_iter().map(|it| {
             let [left, top] = it.corner;
             (it.words, [left, top, left + it.width, top + it.height])

@@ -154,8 +154,9 @@ impl Annotations<'_> {
             let status = status.get(y as usize * width + x as usize);
             status.is_some_and(|status| *status == Status::Complete)
         };
-        let place = key.place(self.request.size, self.request.scale, is_covered);
-        key.draw(image, self.request.scale, place);
+        let unit = legend::unit(self.request);
+        let place = key.place(self.request.size, unit, is_covered);
+        key.draw(image, unit, place);
         if self.request.overlays.labels {
             drawn.push("labels");
         }

@@ -16,7 +16,7 @@ use crate::style;
 const AXIS_HEIGHT: f32 = 15.0;
 /// The height of the words beside a place: they stand on images with letters and lines of their own.
 const HEIGHT: f32 = 20.0;
-/// The least height of words in pixels.
+/// The least height of words in pixels, in a picture that is not magnified.
 const LEAST_HEIGHT: f32 = 10.0;
 /// The distance of words from what they name, in their heights.
 const GAP: f32 = 0.45;
@@ -146,9 +146,10 @@ fn from_the_middle<T>(samples: &[T]) -> impl Iterator<Item = &T> {
     places.into_iter().filter_map(|place| samples.get(place))
 }
 
-/// Returns the height of numbers and names of axes in a picture of a size, in pixels.
-pub(super) fn axis_height(size: [u32; 2], scale: f32) -> f32 {
-    (AXIS_HEIGHT * style::pixel_unit(size) * scale).max(LEAST_HEIGHT)
+/// Returns the height of numbers and names of axes in a picture, in pixels.
+pub(crate) fn axis_height(request: &PictureRequest) -> f32 {
+    let unit = style::pixel_unit(request.size) * request.scale;
+    (AXIS_HEIGHT * unit).max(LEAST_HEIGHT / request.magnification)
 }
 
 /// Words that have their place in a picture, in pixels from its upper left corner.
@@ -206,7 +207,7 @@ pub(crate) fn placed(
     key: Option<[f32; 4]>,
 ) -> Vec<PlacedWords> {
     let size = request.size;
-    let axis_height = axis_height(size, request.scale);
+    let axis_height = axis_height(request);
     let ink = Ink::over(request.backdrop());
     let mut taken: Vec<[f32; 4]> = key.into_iter().collect();
     let mut all = Vec::new();
@@ -285,4 +286,40 @@ pub(super) fn with_gap([left, top, right, bottom]: [f32; 4], height: f32) -> [f3
 /// Returns whether two parts of the picture have a pixel in common.
 pub(super) fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::ParamValues;
+
+    use super::{PixelPoint, TextLabel, axis_height, placed};
+    use crate::PictureRequest;
+    use crate::request::part::SpaceOptions;
+
+    #[test]
+    fn words_keep_their_size_on_the_screen_in_a_coarse_picture() {
+        let scene = scene::geotrace::compile("point p = (0, 0, 0);").scene;
+        let scene = scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        for [size, height] in [[1024, 30], [256, 10]] {
+            let mut request = PictureRequest::new(
+                scene.clone(),
+                params.clone(),
+                SpaceOptions::default(),
+                [size; 2],
+            );
+            assert_eq!(axis_height(&request), height as f32);
+            let width = |request: &PictureRequest| {
+                let label = TextLabel::beside(PixelPoint([5.0, 8.0]), "You are here");
+                placed(&[label], request, None)[0].width * request.magnification
+            };
+            let at_rest = width(&request);
+            (request.size, request.magnification) = ([size / 16; 2], 16.0);
+            let coarse = width(&request);
+            assert!(
+                (coarse / at_rest - 1.0).abs() < 0.01,
+                "{at_rest} at rest, {coarse}"
+            );
+        }
+    }
 }

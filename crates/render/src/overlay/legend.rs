@@ -6,11 +6,14 @@ use image::RgbaImage;
 use super::lines::SCALE;
 use super::{cover, text};
 use crate::geodesic_view::stripes;
+use crate::request::PictureRequest;
 use crate::style::{self, Theme};
 use crate::texture::CurvatureScale;
 
 /// The width of a bar of colours, in heights of its words.
 const BAR: f32 = 9.0;
+/// The least factor of its lines and words, in a picture that is not magnified.
+const LEAST_UNIT: f32 = 0.65;
 /// The share of its pixels that may show something where a key is at its usual place.
 const EMPTY: f64 = 0.05;
 /// A corner is another's place if its pixels that show something are at most this share of the other's.
@@ -114,14 +117,14 @@ impl Legend {
     /// picture no room for it. It is the lower left corner, unless another one is much emptier; `is_covered` returns true for
     /// pixels that show something.
     ///
-    /// Lines and words are `scale` times as large as usual.
+    /// Lines and words are `unit` times as large as usual: see [`unit`].
     pub(super) fn place(
         &self,
         size: [u32; 2],
-        scale: f32,
+        unit: f32,
         is_covered: impl Fn([u32; 2]) -> bool,
     ) -> Option<[f32; 4]> {
-        let [width, height] = self.layout(size, scale)?.size;
+        let [width, height] = self.layout(size, unit)?.size;
         let (right, bottom) = (size[0] - width, size[1] - height);
         let corners = [[0, bottom], [right, bottom], [0, 0], [right, 0]];
         let covered = |[left, top]: [u32; 2]| {
@@ -144,8 +147,7 @@ impl Legend {
         Some([left, top, left + width, top + height].map(|side| side as f32))
     }
 
-    fn layout(&self, size: [u32; 2], scale: f32) -> Option<LegendLayout> {
-        let unit = (style::pixel_unit(size) * scale).max(0.65);
+    fn layout(&self, size: [u32; 2], unit: f32) -> Option<LegendLayout> {
         let (text, line, pad, swatch) = (16.0 * unit, 22.0 * unit, 8.0 * unit, 28.0 * unit);
         let width_of = |(mark, words): &(Mark, String)| match mark {
             // A bar with its numbers lies under its words.
@@ -170,10 +172,10 @@ impl Legend {
 
     /// Draws the key at its [place](Self::place), if it has one.
     ///
-    /// Lines and words are `scale` times as large as usual.
-    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32, place: Option<[f32; 4]>) {
+    /// Lines and words are `unit` times as large as usual.
+    pub(super) fn draw(&self, image: &mut RgbaImage, unit: f32, place: Option<[f32; 4]>) {
         let size = [image.width(), image.height()];
-        let (Some(layout), Some([left, top, ..])) = (self.layout(size, scale), place) else {
+        let (Some(layout), Some([left, top, ..])) = (self.layout(size, unit), place) else {
             return;
         };
         let LegendLayout {
@@ -249,6 +251,11 @@ impl Legend {
             }
         }
     }
+}
+
+/// Returns the factor of the lines and words of a key in a picture.
+pub(super) fn unit(request: &PictureRequest) -> f32 {
+    (style::pixel_unit(request.size) * request.scale).max(LEAST_UNIT / request.magnification)
 }
 
 /// The numbers under the bar of a scale; where the surface is more curved than its ends, they say so.

@@ -80,7 +80,7 @@ impl Ink {
 
 /// The width of the rim around words; `height` is that of a line.
 pub(super) fn rim(height: f32) -> f32 {
-    (OUTLINE * height).max(1.0)
+    OUTLINE * height
 }
 
 /// The size of the font's em square; `height` is that of a line.

@@ -23,7 +23,7 @@ use crate::gpu::renderer::SpaceScene;
 use crate::layers::Layers;
 use crate::note::Note;
 use crate::occlusion::Occlusion;
-use crate::overlay::{self, AxesBox, KeyedCamera, OverlayObject, TextLabel};
+use crate::overlay::{self, AxesBox, KeyedCamera, OverlayObject, TextLabel, axis_height};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
@@ -377,7 +377,9 @@ impl PreparedPicture {
         options: &SpaceOptions,
     ) -> Vec<TextLabel> {
         let axes = self.axes.as_ref();
-        let mut words = axes.map_or_else(Vec::new, |axes| axes.labels(&self.camera, request.scale));
+        let mut words = axes.map_or_else(Vec::new, |axes| {
+            axes.labels(&self.camera, axis_height(request))
+        });
         if is_labelled(request, &self.overlay) {
             let (framed, camera, extras) = (&self.framed, &self.camera, &self.overlay);
             words.extend(labels(shared, request, options, framed, camera, extras));
@@ -414,7 +416,8 @@ impl SpaceRenderer {
         let camera = framed.camera(&options.camera, request)?;
         let axes = request.overlays.axes.then(|| framed.corners()).flatten();
         let axes = axes.map(|corners| {
-            AxesBox::new(&camera, corners, request.scene.stated_axes(), request.scale)
+            let height = axis_height(request);
+            AxesBox::new(&camera, corners, request.scene.stated_axes(), height)
         });
         let overlay = self.overlay(request, options, &structures, &camera.placement)?;
         let overlay = match &axes {

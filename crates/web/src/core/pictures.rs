@@ -362,9 +362,9 @@ impl Core {
     ) -> Result<(RenderedImage, Vec<u8>), String> {
         let sentence = |error: render::RenderError| error.to_string();
         let mut whole = request.clone();
-        whole.size = at_rest;
+        (whole.size, whole.magnification) = (at_rest, 1.0);
         let home = self.framing.fill_in(&mut whole).map_err(sentence)?;
-        whole.size = request.size;
+        (whole.size, whole.magnification) = (request.size, request.magnification);
         let mut image = self.renderer.draw(&whole).map_err(sentence)?;
         let empty = render::gpu::Pixels::Image(image::RgbaImage::default());
         let pixels = std::mem::replace(&mut image.image, empty);
