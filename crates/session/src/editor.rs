@@ -1,5 +1,8 @@
 //! A text that is edited, and the known content of its file. This module reads and writes no files.
+//!
+//! The lines of the text end in line feeds, whatever those of the file end in: a cursor cannot be inside a line end.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -31,6 +34,8 @@ pub struct Editor {
     pub version: i32,
     /// The last known content of the file.
     saved: String,
+    /// True if the file's lines end in carriage returns and line feeds.
+    has_carriage_returns: bool,
     /// True if the file has been deleted or moved, or can no longer be read as text.
     is_gone: bool,
     /// The file's new text, if it has changed while this one had too.
@@ -47,11 +52,13 @@ pub struct Editor {
 impl Editor {
     /// Returns the editor of a file's text.
     pub fn new(language: Arc<dyn Language>, path: PathBuf, text: String) -> Self {
+        let (text, has_carriage_returns) = with_line_feeds(text);
         Self {
             language,
             path,
             is_new: false,
             saved: text.clone(),
+            has_carriage_returns,
             is_gone: false,
             text,
             version: 0,
@@ -84,6 +91,8 @@ impl Editor {
     /// Notes that the file holds another text. Takes it over unless unsaved changes would be lost. Returns whether the
     /// text has changed.
     pub fn take_changed(&mut self, text: String) -> bool {
+        let (text, has_carriage_returns) = with_line_feeds(text);
+        self.has_carriage_returns = has_carriage_returns;
         self.is_gone = false;
         if text == self.text || text == self.saved {
             self.saved = text;
@@ -111,6 +120,14 @@ impl Editor {
         }
         self.saved = text;
         take_file
+    }
+
+    /// Returns the text with the line ends of the file.
+    pub fn text_of_file(&self) -> Cow<'_, str> {
+        match self.has_carriage_returns {
+            true => self.text.replace('\n', "\r\n").into(),
+            false => self.text.as_str().into(),
+        }
     }
 
     /// Notes that the file holds the text as it is now.
@@ -151,6 +168,16 @@ impl Editor {
     /// Replaces the text; the field that shows it can undo this.
     pub fn replace(&mut self, text: String) {
         self.replaced.push(std::mem::replace(&mut self.text, text));
+    }
+}
+
+/// Returns a file's text with line feeds, and whether all of its lines end in carriage returns and line feeds. A text
+/// with both kinds of line ends is not changed.
+fn with_line_feeds(text: String) -> (String, bool) {
+    let pairs = text.matches("\r\n").count();
+    match pairs > 0 && pairs == text.matches('\n').count() {
+        true => (text.replace("\r\n", "\n"), true),
+        false => (text, false),
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn save(editor: &mut Editor) -> Result<Saved, String> {
     if editor.conflict.is_some() {
         return Err("the file has changed on disk: choose which text to keep first".to_owned());
     }
-    write_whole(&editor.path, editor.text.as_bytes())
+    write_whole(&editor.path, editor.text_of_file().as_bytes())
         .map_err(|error| format!("cannot write `{}`: {error}", editor.path.display()))?;
     editor.note_saved();
     Ok(Saved::Written)
@@ -55,7 +55,7 @@ pub(crate) fn save(editor: &mut Editor) -> Result<Saved, String> {
 /// # Errors
 /// A sentence; the text keeps its previous file.
 pub(crate) fn save_as(editor: &mut Editor, path: PathBuf) -> Result<(), String> {
-    write_whole(&path, editor.text.as_bytes())
+    write_whole(&path, editor.text_of_file().as_bytes())
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
     editor.path = path;
     editor.is_new = false;
@@ -83,7 +83,7 @@ pub(crate) fn rescue(editor: &Editor) -> Option<String> {
         _ => format!("{stem}.unsaved-{number}{extension}"),
     };
     let own = editor.path.with_file_name("");
-    let write = |folder: &Path| write_new(folder, name, editor.text.as_bytes());
+    let write = |folder: &Path| write_new(folder, name, editor.text_of_file().as_bytes());
     let written = std::path::absolute(own).and_then(|own| write(&own));
     Some(match written.or_else(|_| write(&std::env::temp_dir())) {
         Ok(place) => format!("the unsaved text is in `{}`", place.display()),
@@ -156,6 +156,29 @@ mod tests {
         std::fs::remove_file(&editor.path).expect("removed");
         assert_eq!(save(&mut editor), Ok(Saved::Written));
         assert_eq!(on_disk(&editor), "mine");
+    }
+
+    #[test]
+    fn the_line_ends_of_the_file_are_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.gtr");
+        let languages = ide::Languages::standard();
+        for (before, after) in [
+            ("one\r\ntwo\r\n", "one\r\nmore\r\ntwo\r\n"),
+            ("one\ntwo\n", "one\nmore\ntwo\n"),
+            // Both kinds are left alone.
+            ("one\ntwo\r\n", "one\nmore\ntwo\r\n"),
+        ] {
+            std::fs::write(&path, before).expect("written");
+            let language = languages.for_path(&path).clone();
+            let mut editor = Editor::new(language, path.clone(), before.into());
+            // The field ends a line by a line feed.
+            editor.text = editor.text.replace("one\n", "one\nmore\n");
+            assert_eq!(save(&mut editor), Ok(Saved::Written));
+            let written = std::fs::read_to_string(&path).expect("a file");
+            assert_eq!(written, after);
+            assert!(!editor.take_changed(written) && !editor.is_changed());
+        }
     }
 
     #[test]

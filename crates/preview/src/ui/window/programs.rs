@@ -271,7 +271,7 @@ impl Window {
         editor.language = Arc::clone(self.text.languages.for_path(&path));
         let events = self.events.sender.for_part(WindowEvent::File);
         // A file that is not watched is checked before it is overwritten.
-        *_watch = Watch::start(&path, editor.text.clone(), events).ok();
+        *_watch = Watch::start(&path, editor.text_of_file().into_owned(), events).ok();
         turn_to(&mut self.pictures.library, path.parent());
         self.keep_view_of(path, Known::default());
         self.status_message = Some(StatusMessage::info(SAVED));
