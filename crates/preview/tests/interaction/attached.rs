@@ -148,7 +148,7 @@ fn a_text_is_shown_and_its_version_reported_and_an_error_too() {
     desk.text(2, "surface s(u,v) = (u, ");
     desk.until("version 2 has errors", |desk| desk.shown(2) == Some(false));
     desk.until("it is reported after a pause", |desk| {
-        desk.shows("out of date until the errors are fixed")
+        desk.shows("out of date until the error is fixed")
     });
     desk.text(3, SPHERE);
     desk.until("version 3 is shown", |desk| desk.shown(3) == Some(true));

@@ -56,6 +56,17 @@ fn what_is_typed_is_shown_and_saved_with_ctrl_s() {
 }
 
 #[test]
+fn a_view_of_a_surface_that_the_text_no_longer_declares_says_so() {
+    let mut hand = Hand::on(&SPHERE.replace("s(u", "other(u"));
+    assert!(hand.shows("Geodesic view of other"), "{:?}", hand.names());
+    hand.window_mut().set_text(SPHERE.replace("r + 1", "r + "));
+    hand.until("the error is shown", |hand| {
+        hand.window().model().is_stale() && hand.shows("the program no longer declares other")
+    });
+    assert!(hand.shows("3D view of"), "{:?}", hand.names());
+}
+
+#[test]
 fn a_broken_text_keeps_the_picture_marks_it_stale_and_a_mended_one_takes_the_mark_away() {
     let mut hand = Hand::on(SPHERE);
     assert!(hand.shows("Status: no errors") && !hand.shows("out of date"));
@@ -66,7 +77,7 @@ fn a_broken_text_keeps_the_picture_marks_it_stale_and_a_mended_one_takes_the_mar
         hand.window().model().is_stale()
     });
     assert!(hand.shows("Status: 1 error"), "{:?}", hand.names());
-    assert!(hand.shows("out of date until the errors are fixed"));
+    assert!(hand.shows("out of date until the error is fixed"));
     assert_eq!(hand.rects("Line 3: ").len(), 1, "once in the window");
     // In the same frame, and with the picture still there.
     assert!(hand.shows("3D view of 2 objects"), "{:?}", hand.names());

@@ -6,6 +6,7 @@ use egui::{
 };
 use render::{ViewId, Views};
 use session::Model;
+use syntax::text::capitalised;
 
 use crate::ui::gpu_surface::TextureBinding;
 use crate::ui::welcome;
@@ -93,8 +94,7 @@ fn begin(window: &mut Window, ui: &mut Ui, rect: Rect) {
 
 fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
     let painter = ui.painter_at(rect);
-    let stale = is_stale(&window.model, &window.views, pane);
-    let errors = window.model.faults.errors().count();
+    let stale = stale(&window.model, &window.views, pane);
     let mut error = None;
     let mut covered = false;
     let view = window.pictures.of_views.get_mut(pane);
@@ -107,7 +107,7 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         if let Some(binding) = &picture.binding {
             binding.paint(&painter, rect);
             // Views of the scene dim only the objects that are out of date.
-            if stale && pane.object.is_some() {
+            if stale.is_some() && pane.object.is_some() {
                 painter.rect_filled(rect, 0.0, Color32::from_black_alpha(65));
             }
             covered = true;
@@ -118,17 +118,11 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         let [r, g, b] = window.model.background();
         painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
     }
-    if stale {
-        let until = if errors == 1 {
-            "error is"
-        } else {
-            "errors are"
-        };
-        let text = format!("Out of date until the {until} fixed");
+    if let Some(words) = stale {
         badge(
             &painter,
             rect.left_top() + egui::vec2(8.0, 8.0),
-            &text,
+            &capitalised(&words),
             Color32::from_rgb(176, 32, 24),
         );
     } else if let Some(words) = nothing(&window.model, &window.views, pane) {
@@ -152,13 +146,25 @@ fn is_set_off(model: &Model, pane: &ViewId) -> bool {
     pane.object.is_some() && pane.object == model.highlighted
 }
 
-/// Returns whether a view shows an object in a form that the text no longer declares.
-fn is_stale(model: &Model, views: &Views, pane: &ViewId) -> bool {
-    match (&pane.object, views.get(&pane.kind)) {
+/// Returns the reason why a view shows an object in a form that the text no longer declares, if it does.
+fn stale(model: &Model, views: &Views, pane: &ViewId) -> Option<String> {
+    let is_stale = match (&pane.object, views.get(&pane.kind)) {
         (Some(name), _) => model.is_stale_on(name),
         (None, Some(view)) => model.is_stale_in(view),
         (None, None) => false,
-    }
+    };
+    let gone = pane
+        .object
+        .as_ref()
+        .filter(|name| model.place_of(name).is_none());
+    let errors = match model.faults.errors().count() {
+        1 => "error is",
+        _ => "errors are",
+    };
+    is_stale.then(|| match gone {
+        Some(name) => format!("the program no longer declares {name}"),
+        None => format!("out of date until the {errors} fixed"),
+    })
 }
 
 /// Returns the reason why a view is empty, if it is.
@@ -238,8 +244,9 @@ fn words(window: &Window, pane: &ViewId) -> String {
         words.push_str("; ");
         words.push_str(nothing);
     }
-    if is_stale(&window.model, &window.views, pane) {
-        words.push_str("; out of date until the errors are fixed");
+    if let Some(stale) = stale(&window.model, &window.views, pane) {
+        words.push_str("; ");
+        words.push_str(&stale);
     }
     if let Some(error) = window.pictures.shown(pane).and_then(|it| it.error.as_ref()) {
         words.push_str("; ");
