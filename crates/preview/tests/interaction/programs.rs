@@ -224,6 +224,23 @@ fn the_dialogs_for_files_begin_in_the_name_and_enter_saves() {
 }
 
 #[test]
+fn the_buttons_of_dialogs_are_visible_in_a_small_window() {
+    let mut hand = Hand::with(SPHERE, |builder| builder.with_size([400.0, 300.0]));
+    let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(400.0, 300.0));
+    for (key, verb) in [(Key::E, "Save"), (Key::M, "Save"), (Key::R, "Record")] {
+        hand.press(Modifiers::COMMAND, key);
+        hand.harness.run_steps(20);
+        for name in [verb, "Cancel"] {
+            let button = hand.harness.get_by_role_and_label(Role::Button, name);
+            let place = button.rect();
+            assert!(screen.contains_rect(place), "{key:?}, {name}: {place}");
+        }
+        hand.press(Modifiers::NONE, Key::Escape);
+        hand.harness.run_steps(3);
+    }
+}
+
+#[test]
 fn a_picture_does_not_take_the_place_of_a_program() {
     let mut hand = Hand::on(SPHERE);
     hand.press(Modifiers::COMMAND, Key::E);

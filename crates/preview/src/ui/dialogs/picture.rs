@@ -335,7 +335,13 @@ pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
     }
 }
 
-/// Shows a dialog with `content`, which returns whether a file is to be chosen, and a button with the label `verb`.
+/// The width and height of a dialog beside its content, with some of the background, in points.
+const AROUND: egui::Vec2 = egui::vec2(60.0, 110.0);
+/// The width of the widest dialog, in points.
+const WIDEST: f32 = 560.0;
+
+/// Shows a dialog with `content`, which returns whether a file is to be chosen, and a button with the label `verb`. In a
+/// small window the content scrolls; the buttons are always visible.
 pub(crate) fn modal(
     ui: &Ui,
     title: &str,
@@ -345,9 +351,13 @@ pub(crate) fn modal(
     let mut decision = Decision::Stay;
     let is_typed = ui.memory(|memory| memory.has_focus(path_field()));
     let is_entered = is_typed && ui.input(|input| input.key_pressed(egui::Key::Enter));
+    let screen = ui.ctx().content_rect().size();
+    let room = (screen - AROUND).max(egui::vec2(40.0, 40.0));
     let modal = egui::Modal::new(egui::Id::unique(title)).show(ui.ctx(), |ui| {
         ui.heading(title);
-        if content(ui) {
+        let area = egui::ScrollArea::new([screen.x < WIDEST, true]);
+        let area = area.max_width(room.x).max_height(room.y);
+        if area.show(ui, content).inner {
             decision = Decision::Choose;
         }
         ui.horizontal(|ui| {
