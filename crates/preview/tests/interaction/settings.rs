@@ -62,6 +62,21 @@ fn the_rows_of_params_stand_in_columns_whatever_their_names_and_values() {
 }
 
 #[test]
+fn a_name_that_is_cut_off_is_shown_once_on_hover() {
+    let name = "averyveryverylongparametername";
+    let mut hand = Hand::on(&format!("param {name} : [0, 1]; point p = ({name}, 0, 0);"));
+    let label = |hand: &Hand| {
+        let found = hand.harness.query_all_by_role_and_label(Role::Label, name);
+        found.map(|node| node.rect()).collect::<Vec<egui::Rect>>()
+    };
+    let at = label(&hand)[0].center();
+    hand.harness.hover_at(at);
+    hand.harness.run_steps(90);
+    // The name itself, and one plate with it.
+    assert_eq!(label(&hand).len(), 2, "{:?}", hand.names());
+}
+
+#[test]
 fn a_field_that_was_not_edited_leaves_its_number() {
     let mut hand = Hand::on(
         "param third = 1/3 : [0, 1];\nparam tiny = 5e-10 : [0, 1e-9];\npoint p = (third, 1e9 tiny, 0);\n",
@@ -83,21 +98,6 @@ fn a_field_that_was_not_edited_leaves_its_number() {
     assert_eq!(hand.param("third"), 0.0);
 }
 
-#[test]
-fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_stopped() {
-    let mut hand = Hand::on(SPHERE);
-    hand.click("Animate r");
-    let pictures = hand.window().counters().pictures;
-    hand.until("a picture of it", |hand| {
-        hand.window().counters().pictures > pictures
-    });
-    let from = hand.param("r");
-    hand.harness.run_steps(30);
-    let to = hand.param("r");
-    assert!(
-        (to - from - 0.5).abs() < 1e-3,
-        "30 frames of a sixtieth of a second: {from} to {to}"
-    );
 #[test]
 fn the_value_that_is_written_into_the_text_is_the_one_that_is_shown() {
     let mut hand = Hand::on(
@@ -145,6 +145,21 @@ fn the_value_that_is_written_into_the_text_is_the_one_that_is_shown() {
     assert_eq!(shown(&hand), value);
 }
 
+#[test]
+fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_stopped() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click("Animate r");
+    let pictures = hand.window().counters().pictures;
+    hand.until("a picture of it", |hand| {
+        hand.window().counters().pictures > pictures
+    });
+    let from = hand.param("r");
+    hand.harness.run_steps(30);
+    let to = hand.param("r");
+    assert!(
+        (to - from - 0.5).abs() < 1e-3,
+        "30 frames of a sixtieth of a second: {from} to {to}"
+    );
     // It begins anew at the least value.
     hand.harness.run_steps(90);
     assert!((1.0..=3.0).contains(&hand.param("r")));

@@ -137,9 +137,8 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
         let size = egui::vec2(columns.name, height);
         ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
             ui.set_width(columns.name);
-            // A name that is longer than its column is truncated.
-            ui.add(egui::Label::new(&name).truncate())
-                .on_hover_text(&name);
+            // A name that is longer than its column is truncated, and then shown on hover.
+            ui.add(egui::Label::new(&name).truncate());
         });
         let before = ui.spacing().interact_size.x;
         ui.spacing_mut().slider_width = columns.slider;
@@ -150,10 +149,10 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
         let slider = Slider::new(&mut moved, range.min..=range.max).smart_aim(false);
         let displayed = move |value, _| number_field::displayed(value, 0..=decimals);
         let slider = number_field::of_slider(ui, slider, displayed);
+        let slider = ui.add(slider).accessible_name(&name);
         if moved != value && !number_field::is_typed(ui) {
             moved = range.rounded(moved);
         }
-        let slider = ui.add(slider).accessible_name(&name);
         ui.spacing_mut().interact_size.x = before;
         take_value(window, ui, param, k, moved, &slider);
         animated(&mut window.model, ui, param, k, &name);
