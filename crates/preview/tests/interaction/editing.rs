@@ -425,6 +425,18 @@ fn a_name_is_changed_wherever_it_is_used() {
 fn a_text_is_laid_out_and_fixed_by_keys() {
     let mut hand = Hand::on(SPHERE);
     hand.write_at_end();
+#[test]
+fn a_refused_renaming_is_reported_until_the_next_edit() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    hand.press(Modifiers::NONE, Key::F2);
+    hand.settle();
+    assert!(hand.shows("not renamed: there is no name here"));
+    types(&mut hand, "# a comment");
+    hand.settle();
+    assert!(!hand.shows("not renamed"), "{:?}", hand.names());
+}
+
     types(&mut hand, "define   a=sin 2r;define b=cos 3r;");
     // The letter comes with the key.
     let format = key(Key::F, Modifiers::SHIFT | Modifiers::ALT);

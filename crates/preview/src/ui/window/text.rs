@@ -17,7 +17,7 @@ use crate::io::watch::Watch;
 use crate::ui::highlighting;
 use crate::ui::panes::program::completion::Assistant;
 use crate::ui::panes::program::find::Find;
-use crate::ui::panes::program::rename::Rename;
+use crate::ui::panes::program::rename::{NOT_RENAMED, Rename};
 
 /// The sentence of the status line after the text was saved, until it is edited.
 pub(super) const SAVED: &str = "Saved";
@@ -213,9 +213,10 @@ impl Window {
         self.has_edited();
     }
 
-    /// Compiles the text that the user has edited. It no longer counts as saved.
+    /// Compiles the text that the user has edited. It no longer counts as saved, and a refused renaming is past.
     pub(crate) fn has_edited(&mut self) {
-        self.status_message.take_if(|it| it.text == SAVED);
+        self.status_message
+            .take_if(|it| it.text == SAVED || it.text.starts_with(NOT_RENAMED));
         self.text.compile();
     }
 

@@ -10,6 +10,9 @@ use super::{commands, keys};
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::{TextSource, Window, WindowText};
 
+/// The beginning of the sentence about a cursor that is at no name that can be renamed.
+pub(crate) const NOT_RENAMED: &str = "not renamed";
+
 /// A renaming in progress.
 #[derive(Debug)]
 pub(crate) struct Rename {
@@ -29,6 +32,8 @@ impl Window {
         let TextSource::File { editor, .. } = &self.text.source else {
             return;
         };
+        self.status_message
+            .take_if(|it| it.text.starts_with(NOT_RENAMED));
         let at = keys::selected(ui, id(), editor).end as u32;
         match editor.language.read(&editor.text).prepare_rename(at) {
             Ok((_, name)) => {
@@ -42,7 +47,7 @@ impl Window {
                 });
             }
             Err(refusal) => {
-                let sentence = format!("not renamed: {refusal}");
+                let sentence = format!("{NOT_RENAMED}: {refusal}");
                 self.status_message = Some(StatusMessage::error(sentence));
             }
         }
