@@ -388,7 +388,7 @@ async fn a_name_that_cannot_be_is_refused_with_the_reason() {
     params["newName"] = json!("sin");
     let error = editor.fail("textDocument/rename", params).await;
     assert_eq!(error["code"], -32803);
-    assert_eq!(error["message"], "`sin` is already builtin");
+    assert_eq!(error["message"], "`sin` is the name of a builtin");
     let error = editor.fail("textDocument/prepareRename", at(6, 22)).await;
     assert!(
         error["message"]

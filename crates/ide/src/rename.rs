@@ -41,7 +41,7 @@ impl std::fmt::Display for RenameError {
             Self::Keyword(name) => {
                 write!(f, "`{name}` is a keyword: it cannot be a name")
             }
-            Self::Taken { name, line: None } => write!(f, "`{name}` is already builtin"),
+            Self::Taken { name, line: None } => write!(f, "`{name}` is the name of a builtin"),
             Self::Taken {
                 name,
                 line: Some(line),

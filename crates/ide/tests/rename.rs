@@ -55,7 +55,10 @@ fn words_that_would_be_read_otherwise_are_written_apart() {
 #[test]
 fn names_that_cannot_be_are_refused_with_the_reason() {
     let refused = |text: &str, name: &str| renamed(text, name).expect_err("refused").to_string();
-    assert_eq!(refused("define |a = 1;", "sin"), "`sin` is already builtin");
+    assert_eq!(
+        refused("define |a = 1;", "sin"),
+        "`sin` is the name of a builtin"
+    );
     assert_eq!(
         refused("define b = 1;\ndefine |a = 1;", "b"),
         "`b` is already declared in line 1"

@@ -218,7 +218,7 @@ const SEEN: &str = "length of the geodesic seen";
 /// Returns a point with its curvature and its distance from the camera, for the status line.
 fn in_short(place: String, curvature: Option<f64>, distance: Option<f64>) -> String {
     let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
-    let distance = distance.map(|length| format!(", {} from the camera", short(length)));
+    let distance = distance.map(|length| format!(", {} from the geodesic camera", short(length)));
     format!("{place}{curvature}{}", distance.unwrap_or_default())
 }
 

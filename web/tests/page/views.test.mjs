@@ -125,12 +125,12 @@ test("the status line says what is under the pointer", async () => {
     const { x, y } = await middle(page);
     await page.mouse.move(x, y);
     await page.mouse.move(x + 2, y + 2);
-    await page.waitForFunction(() => /^s at \(u, v\).*K = 1, \d\S* from the camera$/.test(document.querySelector(".pointed").textContent));
+    await page.waitForFunction(() => /^s at \(u, v\).*K = 1, \d\S* from the geodesic camera$/.test(document.querySelector(".pointed").textContent));
     const inside = await middle(page, INSIDE);
     await page.mouse.move(inside.x + 40, inside.y);
     await page.waitForTimeout(100);
     await page.mouse.move(inside.x + 42, inside.y);
-    await page.waitForFunction(() => /, 0\.\d+ from the camera$/.test(document.querySelector(".pointed").textContent));
+    await page.waitForFunction(() => /, 0\.\d+ from the geodesic camera$/.test(document.querySelector(".pointed").textContent));
     await state.close(page);
 });
 

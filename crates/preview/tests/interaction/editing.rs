@@ -403,7 +403,11 @@ fn a_name_is_changed_wherever_it_is_used() {
     types(&mut hand, "sin");
     hand.press(Modifiers::NONE, Key::Enter);
     hand.settle();
-    assert!(hand.shows("`sin` is already builtin"), "{:?}", hand.names());
+    assert!(
+        hand.shows("`sin` is the name of a builtin"),
+        "{:?}",
+        hand.names()
+    );
     types(&mut hand, "radius");
     hand.press(Modifiers::NONE, Key::Enter);
     hand.settle();
@@ -422,10 +426,6 @@ fn a_name_is_changed_wherever_it_is_used() {
 }
 
 #[test]
-fn a_text_is_laid_out_and_fixed_by_keys() {
-    let mut hand = Hand::on(SPHERE);
-    hand.write_at_end();
-#[test]
 fn a_refused_renaming_is_reported_until_the_next_edit() {
     let mut hand = Hand::on(SPHERE);
     hand.write_at_end();
@@ -437,6 +437,10 @@ fn a_refused_renaming_is_reported_until_the_next_edit() {
     assert!(!hand.shows("not renamed"), "{:?}", hand.names());
 }
 
+#[test]
+fn a_text_is_laid_out_and_fixed_by_keys() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
     types(&mut hand, "define   a=sin 2r;define b=cos 3r;");
     // The letter comes with the key.
     let format = key(Key::F, Modifiers::SHIFT | Modifiers::ALT);

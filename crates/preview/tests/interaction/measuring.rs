@@ -121,7 +121,9 @@ fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_
     let place = at(&hand, "s", [-0.3, 0.4]);
     hand.harness.hover_at(place);
     hand.until("the place is in the status line", |hand| {
-        hand.shows("s at (u, v) = (") && hand.shows("), K = 1, ") && hand.shows(" from the camera")
+        hand.shows("s at (u, v) = (")
+            && hand.shows("), K = 1, ")
+            && hand.shows(" from the geodesic camera")
     });
     let space = hand.space();
     hand.harness
@@ -151,7 +153,7 @@ fn the_place_where_one_stands_is_at_no_distance() {
     hand.click_at(place);
     hand.harness.hover_at(place);
     hand.until("its distance is shown", |hand| {
-        hand.shows(", 0 from the camera")
+        hand.shows(", 0 from the geodesic camera")
     });
 }
 

@@ -90,7 +90,7 @@ exports["renaming writes words apart where they would be read otherwise"] = asyn
     assert.strictEqual(document.getText(), "define ab = 2;\nfunction f(s) = ab s;");
     await assert.rejects(
         async () => ask("vscode.executeDocumentRenameProvider", document.uri, new vscode.Position(0, 7), "sin"),
-        /already builtin/,
+        /name of a builtin/,
     );
 };
 
