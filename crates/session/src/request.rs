@@ -62,6 +62,8 @@ pub fn picture_request(
     request.trails = trails(model, &scene, &marks, own, is_in_space);
     request.images = library.named(&scene);
     request.overlays = overlays(&marks);
+    // A dense display has more pixels, in which lines and words are larger; the scale that the user has chosen is beyond that.
+    request.scale = model.choices.preferences.scale;
     request.colours = colours(model, own.is_none());
     request.colours.retain(|(id, _)| !hidden.contains(id));
     add_textures(&mut request, model, library, &hidden);
@@ -222,18 +224,66 @@ pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
     let mut like = a.clone();
     like.size = b.size;
     like.moving = b.moving;
+    like.magnification = b.magnification;
     if let Some(samples) = b.view.samples() {
         like.view.set_samples(samples);
-    like.magnification = b.magnification;
     }
     like == *b
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{colours, style};
+    use std::path::{Path, PathBuf};
+
+    use render::ViewId;
+
+    use super::{PaneRequest, colours, picture_request, style};
     use crate::Model;
     use crate::reader::{Reader, SourceText};
+    use crate::textures::{ImageSource, ImageState, Library};
+
+    struct NoImages;
+
+    impl ImageSource for NoImages {
+        fn file_of(&self, _word: &str) -> Option<PathBuf> {
+            None
+        }
+
+        fn has(&self, _word: &str) -> bool {
+            false
+        }
+
+        fn read(&mut self, path: &Path) -> ImageState {
+            unreachable!("{path:?} is not chosen")
+        }
+    }
+
+    #[test]
+    fn words_in_pictures_follow_the_interface_scale() {
+        let text = "point p = (0, 0, 0);";
+        let languages = ide::Languages::standard();
+        let source = SourceText {
+            language: &**languages.default_language(),
+            text,
+            changes: None,
+        };
+        let mut model = Model::default();
+        let read = Reader::default().read(&source);
+        model.take(read.compiled(1, text.into()));
+        let views = render::Views::standard();
+        let id = ViewId::of_scene(views.first().name());
+        let pane = PaneRequest {
+            id: &id,
+            size: [64; 2],
+            active: None,
+        };
+        let mut library = Library::new(NoImages);
+        for scale in [1.0, 2.0] {
+            model.adjust(|choices| choices.preferences.scale = scale);
+            let request = picture_request(&mut model, &mut library, &views, pane);
+            assert_eq!(request.expect("a picture").scale, scale);
+        }
+    }
 
     /// The names of the objects that have a colour in a request, with that colour.
     fn coloured(model: &Model, dims: bool) -> Vec<(String, [u8; 3])> {
