@@ -250,3 +250,19 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
     let written = std::fs::read_dir(folder.path()).expect("the folder");
     assert_eq!(written.count(), 0);
 }
+
+#[test]
+fn messages_about_a_script_have_its_coordinates() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "Scene { Sphere { center -> vec3(1, 2, 3)  radius -> 0.5 } }";
+    std::fs::write(folder.path().join("a.crt"), script).expect("written");
+    for words in [
+        "trace a.crt --from 1,2,3 --direction 0,1,0 --length 1",
+        "trace a.crt --from 1,2,3 --heading 0 --length 1",
+        "render a.crt -o a.png --view geodesic --at 1,2,3",
+    ] {
+        let run = geotrace(words.split(' ')).folder(folder.path()).run();
+        run.expect_status(2);
+        assert!(run.stderr.contains("(1, 2, 3)"), "{words}: {}", run.stderr);
+    }
+}

@@ -224,9 +224,8 @@ impl Ground {
                 Ok(InsideCamera::Chart(camera))
             }
             Self::Solid(solid) => {
-                let name = subject.scene.get(subject.surface);
-                let name = name.map_or("", |object| &object.name);
-                let placed = PlacedSolidCamera::on(Arc::clone(solid), name, &wanted, SIZE)?;
+                let solid = Arc::clone(solid);
+                let placed = PlacedSolidCamera::on(solid, &subject.scene, &wanted, SIZE)?;
                 let camera = SolidCamera::of(&placed.frame, moved);
                 Ok(InsideCamera::Solid(camera))
             }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 use geodesic::frame::trace_heading;
-use geodesic::implicit::{SpaceFrame, SpaceTrace, SpaceTraceError};
+use geodesic::implicit::{PlaceError, SpaceFrame, SpaceTrace, SpaceTraceError};
 use geodesic::point::Uv;
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Options, Status, Trace, TraceError, TraceMethod};
@@ -226,26 +226,22 @@ fn on_solid(
         hint: None,
     })?;
     let surface = solid.surface();
-    let unusable = |message: String| Failure::Usage {
-        message,
+    let unusable = |why: PlaceError| Failure::Usage {
+        message: SpaceTraceError::Place { at: given, why }.to_string(),
         hint: Some("`--from` requires a point near the surface".into()),
     };
     let direction = match &arguments.direction {
         Some(direction) => stated(program.place("--direction", direction, params, object)?),
         None => {
             let angle = arguments.heading.unwrap_or(0.0).to_radians();
-            let frame = SpaceFrame::new(surface, from, angle, 1.0).map_err(|why| {
-                let [x, y, z] = given;
-                unusable(format!(
-                    "the start ({x}, {y}, {z}) cannot be projected onto the surface: {why}"
-                ))
-            })?;
-            frame.x
+            SpaceFrame::new(surface, from, angle, 1.0)
+                .map_err(unusable)?
+                .x
         }
     };
     let traced = surface.trace(from, direction, length, options);
     let trace = traced.map_err(|error| match error {
-        SpaceTraceError::Place { .. } => unusable(error.to_string()),
+        SpaceTraceError::Place { why, .. } => unusable(why),
         _ => Failure::usage(error.to_string()),
     })?;
     let turned = SpaceTrace {

@@ -48,20 +48,20 @@ impl PlacedSolidCamera {
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
         let solid = Arc::new(SolidSurface::new(scene, params, camera.surface)?);
-        let name = scene.get(camera.surface).map_or("", |object| &object.name);
-        Self::on(solid, name, camera, size)
+        Self::on(solid, scene, camera, size)
     }
 
-    /// Places a camera on a compiled solid.
+    /// Places a camera on a compiled solid of a scene.
     ///
     /// # Errors
     /// [`RenderError::Camera`].
     pub fn on(
         solid: Arc<SolidSurface>,
-        name: &str,
+        scene: &Scene,
         camera: &GeodesicCamera,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
+        let name = scene.get(camera.surface).map_or("", |object| &object.name);
         let usual = solid.bounds().map_or(1.0, |[lower, upper]| {
             let sides = [0, 1, 2].map(|k| upper[k] - lower[k]);
             FIRST_ZOOM * sides.into_iter().fold(0.0, f64::max)
@@ -94,7 +94,7 @@ impl PlacedSolidCamera {
             )));
         };
         let frame = SpaceFrame::new(solid.surface(), near, angle, zoom).map_err(|why| {
-            let [x, y, z] = near;
+            let [x, y, z] = scene.stated(near);
             RenderError::Camera(format!(
                 "the camera's position ({x}, {y}, {z}) cannot be projected onto `{name}`: {why}"
             ))

@@ -220,8 +220,7 @@ impl SolidMapCache {
                 solid
             }
         };
-        let name = scene.get(id).map_or("", |object| &object.name);
-        let camera = PlacedSolidCamera::on(solid, name, &options.camera, request.size)?;
+        let camera = PlacedSolidCamera::on(solid, scene, &options.camera, request.size)?;
         let camera = camera.with_method(options.method);
         Ok(if request.moving {
             camera.moving()
