@@ -10,6 +10,10 @@ use crate::crt::token::{Token, TokenKind};
 use crate::crt::tree::{BinaryOperator, ModifierKind, PrefixOperator};
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::span::Span;
+use crate::spelling::nearest;
+
+/// The words of modifiers.
+const MODIFIERS: [&str; 3] = ["scale", "translate", "rotate"];
 
 impl<A: Actions> Parser<'_, '_, A> {
     /// `Expr = Cond Assign`, `Assign = "=" Expr |`
@@ -145,7 +149,8 @@ impl<A: Actions> Parser<'_, '_, A> {
                     let count = self.arguments(TokenKind::ParenClose);
                     ParseStep::Call(Span::new(open.start, self.previous.span.end), count)
                 }
-                TokenKind::Modify => {
+                TokenKind::Less if !self.at_mistyped_modifier() => break,
+                TokenKind::Modify | TokenKind::Less => {
                     let count = self.modifiers();
                     ParseStep::Modifiers(Span::new(open.start, self.previous.span.end), count)
                 }
@@ -173,6 +178,58 @@ impl<A: Actions> Parser<'_, '_, A> {
         count
     }
 
+    /// Returns true if the current token is a `<` before a mistyped modifier: a word, and on the same line a value.
+    fn at_mistyped_modifier(&self) -> bool {
+        let mut ahead = self.lexer.clone();
+        let [word, value] = [(); 2].map(|()| ahead.read().token);
+        let is_near = || nearest(word.span.text(self.source), MODIFIERS.into_iter()).is_some();
+        let between = || Span::new(word.span.end, value.span.start).text(self.source);
+        self.at(TokenKind::Less)
+            && word.kind == TokenKind::Identifier
+            && value.kind.begins_primary()
+            && !matches!(value.kind, TokenKind::ParenOpen | TokenKind::BracketOpen)
+            && !between().contains('\n')
+            && (is_near() || value.span.text(self.source) == "vec3")
+    }
+
+    /// Reports a mistyped modifier and returns the kind that it is read as; `None` if no value follows it.
+    fn mistyped_modifier(&mut self) -> Option<ModifierKind> {
+        if !self.at(TokenKind::Identifier) || !self.lexer.peek().begins_primary() {
+            return None;
+        }
+        let (text, span) = (self.text(), self.current.span);
+        let message = format!("there is no modifier `{text}`");
+        let near = nearest(text, MODIFIERS.into_iter());
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+            self.report(match &near {
+                Some(near) => found
+                    .with_hint(format!("did you mean `{near}`?"))
+                    .with_fix(Fix::change(span, near, true)),
+                None => found.with_hint("the modifiers are `scale`, `translate` and `rotate`"),
+            });
+        }
+        // Errors after this one may be independent.
+        self.reported = None;
+        Some(match near.as_deref() {
+            Some("scale") => ModifierKind::Scale,
+            Some("rotate") => ModifierKind::Rotate,
+            _ => ModifierKind::Translate,
+        })
+    }
+
+    /// Reports a missing `,` before a modifier; returns true if there is one.
+    fn lacks_modifier_comma(&mut self) -> bool {
+        let (place, span) = (self.previous.span.end, self.current.span);
+        if !self.current.kind.is_modifier() {
+            return false;
+        }
+        let message = "a `,` is missing before this";
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+            self.report(found.with_fix(Fix::insert("Insert `,`", place, ",")));
+        }
+        true
+    }
+
     /// `Mods`. Returns the number of modifiers.
     fn modifier_list(&mut self) -> usize {
         let mut count = 0;
@@ -182,24 +239,28 @@ impl<A: Actions> Parser<'_, '_, A> {
                 TokenKind::Scale => ModifierKind::Scale,
                 TokenKind::Translate => ModifierKind::Translate,
                 TokenKind::Rotate => ModifierKind::Rotate,
-                _ => {
-                    self.unexpected("`scale`, `translate` or `rotate`");
-                    while !self.begins_line()
-                        && (self.current.kind.begins_primary() || self.at(TokenKind::Comma))
-                    {
-                        self.advance();
+                _ => match self.mistyped_modifier() {
+                    Some(kind) => kind,
+                    None => {
+                        self.unexpected("`scale`, `translate` or `rotate`");
+                        while !self.begins_line()
+                            && (self.current.kind.begins_primary() || self.at(TokenKind::Comma))
+                        {
+                            self.advance();
+                        }
+                        break;
                     }
-                    break;
-                }
+                },
             };
             self.advance();
             self.binary(BinaryOperator::Add.level());
             self.step(ParseStep::Modifier(kind), start);
             count += 1;
-            if !self.at(TokenKind::Comma) {
+            if self.at(TokenKind::Comma) {
+                self.advance();
+            } else if !self.lacks_modifier_comma() {
                 break;
             }
-            self.advance();
         }
         count
     }
