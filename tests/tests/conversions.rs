@@ -209,6 +209,42 @@ fn all_that_a_script_states_is_in_the_program() {
 }
 
 #[test]
+fn a_lens_is_as_large_in_the_program_as_in_the_script() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "
+Settings {
+    camera -> Camera { position -> vec3(2, 2, -6)  pointing -> vec3(2, 0.5, 0)  fov -> 50 }
+    lights -> [ParallelLight { from -> vec3(1, 2, -1)  pointing -> vec3(0, 0, 0)  color -> rgb(1, 1, 1) }]
+    dofsamples -> 16
+}
+Scene { Sphere { center -> vec3(2, 0.5, 0)  radius -> 1 } }
+";
+    std::fs::write(folder.path().join("lens.crt"), script).expect("written");
+    let text = expect_same(folder.path(), "lens", "80x60", &[]);
+    assert!(text.contains("aperture : 3/720"), "{text}");
+    let pictures = [
+        ("lens.crt", "crt"),
+        ("lens.gtr", "crt"),
+        ("lens.gtr", "geotrace"),
+    ];
+    let pictures = pictures.map(|(file, look)| {
+        let words = "--view traced --size 80x60 --samples 16 --bounces 3 -o lens.png --look";
+        let words: Vec<&str> = ["render", file]
+            .into_iter()
+            .chain(words.split(' '))
+            .collect();
+        draw(folder.path(), &[&words[..], &[look]].concat(), "lens.png")
+    });
+    for picture in &pictures {
+        // The ball is grey, the background white.
+        let [middle, corner] = [(40, 30), (2, 2)].map(|(x, y)| picture.get_pixel(x, y).0[0]);
+        assert!(middle < 200 && corner > 250, "{middle}, {corner}");
+    }
+    let [script, program, _] = &pictures;
+    assert_eq!(script.get_pixel(40, 30), program.get_pixel(40, 30));
+}
+
+#[test]
 fn sets_within_sets_stay_what_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     // Sixty shells, each cut out of the one around it: brackets within brackets.

@@ -67,9 +67,6 @@ impl StandardLights {
     }
 }
 
-/// The number of apertures of the look `crt` per unit of length.
-const CRT_APERTURES: f64 = 720.0;
-
 /// The horizon of a scene that declares no background, sRGB.
 const HORIZON: DVec3 = DVec3::new(96.0 / 255.0, 104.0 / 255.0, 120.0 / 255.0);
 
@@ -293,10 +290,6 @@ pub(super) fn cameras(
     let word = |attribute: &str| stated_word(&object.attributes, attribute);
     let projection = word("projection").and_then(LensProjection::from_name);
     let bokeh = word("bokeh").and_then(Bokeh::from_name);
-    let lens_unit = match picture_look {
-        PictureLook::Geotrace => 1.0,
-        PictureLook::Crt => 1.0 / CRT_APERTURES,
-    };
     let (mut found, mut undefined) = (Vec::new(), 0);
     let mut instance = 0;
     params.for_each_instance(scene, object, |uniforms| {
@@ -332,7 +325,7 @@ pub(super) fn cameras(
                 match numbers.attribute {
                     A::Fov => lens.fov = number,
                     A::Focus => lens.focus = number,
-                    A::Aperture => lens.aperture = number * lens_unit,
+                    A::Aperture => lens.aperture = number,
                     A::Roll => lens.roll = number,
                     _ => {}
                 }

@@ -25,6 +25,8 @@ use crate::stated_picture::StatedPicture;
 
 /// The maximum of `t`.
 const LAST: f64 = 100.0;
+/// The number of units of a script's `aperture` per unit of length.
+pub(super) const APERTURES: f64 = 720.0;
 
 /// Returns the scene of a run. Each entity is dropped once its object is created, so that a million of both are never
 /// in memory together.
@@ -272,7 +274,7 @@ impl SceneBuilder {
             self.numbers("focus", &[camera.focaldistance]),
         ];
         if has_lens {
-            stated.push(self.numbers("aperture", &[camera.aperture]));
+            stated.push(self.numbers("aperture", &[camera.aperture / APERTURES]));
         }
         let roll = roll(direction, camera.roll.to_radians());
         if roll != 0.0 {

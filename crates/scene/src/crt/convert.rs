@@ -538,9 +538,10 @@ impl<'w> Writer<'w> {
         if has_lens {
             let _ = write!(
                 text,
-                ", focus : {}, aperture : {}, bokeh : {}",
+                ", focus : {}, aperture : {}/{}, bokeh : {}",
                 number(camera.focaldistance),
                 number(camera.aperture),
+                number(build::APERTURES),
                 build::bokeh(&camera.apertureshape)
             );
         }
