@@ -38,6 +38,7 @@ use draft::Draft;
 use look::{FacePlace, LookProgram};
 use stage::DeclaredBackground;
 
+pub use attributes::ROUNDING;
 pub use bodies::{MAX_BODIES, Thickness, stated_radius};
 pub use expand::instance_grids;
 pub use look::{BackgroundImage, FaceImage, ImagePart, Paint};

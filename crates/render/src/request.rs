@@ -4,7 +4,7 @@
 mod colours;
 pub mod part;
 
-pub(crate) use colours::{colour_nodes, srgb_of};
+pub(crate) use colours::{ColourFaults, colour_nodes, srgb_of};
 pub use part::{ViewOptions, ViewPart};
 
 use std::borrow::Cow;

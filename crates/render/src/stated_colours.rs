@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use scene::{Object, ObjectId, Range, Sampling, Scene};
 
 use crate::content::{self, Content};
-use crate::request::{PictureRequest, colour_nodes, srgb_of};
+use crate::request::{ColourFaults, PictureRequest, colour_nodes, srgb_of};
 use crate::shared::Shared;
 use crate::texture::{self, MOST_INSTANCES, Texture};
 
@@ -25,7 +25,9 @@ const KEPT: usize = 16;
 #[derive(Debug, Default)]
 pub(crate) struct StatedColours {
     /// The most recently used one is last.
-    known: Vec<(Vec<Content>, u32, Shared<Texture>)>,
+    known: Vec<(Vec<Content>, u32, Shared<Texture>, ColourFaults)>,
+    /// The faults of the last request's textures.
+    faults: Vec<(ObjectId, ColourFaults)>,
 }
 
 impl PictureRequest {
@@ -48,7 +50,7 @@ impl PictureRequest {
                 .collect()
         });
         let uniforms = self.params.instance(&self.scene, object, instance);
-        let texels = colours(&self.scene, nodes, &parameters, &uniforms);
+        let (texels, _) = colours(&self.scene, nodes, &parameters, &uniforms);
         Some(texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
     }
 }
@@ -58,8 +60,10 @@ impl StatedColours {
     pub(crate) fn textured<'r>(&mut self, request: &'r PictureRequest) -> Cow<'r, PictureRequest> {
         let mut whole = Cow::Borrowed(request);
         let side = if request.moving { MOVING_SIDE } else { SIDE };
+        self.faults.clear();
         for (id, object, nodes) in varying(request) {
-            let texture = self.get(request, object, nodes, side);
+            let (texture, faults) = self.get(request, object, nodes, side);
+            self.faults.push((id, faults));
             whole.to_mut().textures.push((id, texture));
         }
         let most = KEPT.max(whole.textures.len());
@@ -74,7 +78,7 @@ impl StatedColours {
         object: &Object,
         nodes: &[NodeId],
         most_side: u32,
-    ) -> Shared<Texture> {
+    ) -> (Shared<Texture>, ColourFaults) {
         let (scene, params) = (&request.scene, &request.params);
         let count = params.instance_count(scene, object).min(MOST_INSTANCES);
         let instances = (1..count).map(|index| params.instance(scene, object, index));
@@ -90,19 +94,53 @@ impl StatedColours {
         uniforms.truncate(contents.len());
         let side = texture::side(contents.len() as u64, most_side);
         let mut known = self.known.iter();
-        let entry = match known.position(|(known, size, _)| *known == contents && *size == side) {
+        let entry = match known.position(|(known, size, ..)| *known == contents && *size == side) {
             Some(at) => self.known.remove(at),
             None => {
                 let baked = uniforms
                     .iter()
                     .map(|it| baked(scene, nodes, domain, it, side));
-                let texture = Texture::of_instances(baked);
-                (contents, side, Arc::new(texture).into())
+                let (textures, faults): (Vec<Texture>, Vec<ColourFaults>) = baked.unzip();
+                let texture = Texture::of_instances(textures.into_iter());
+                let faults = faults.into_iter().reduce(ColourFaults::join);
+                (
+                    contents,
+                    side,
+                    Arc::new(texture).into(),
+                    faults.unwrap_or_default(),
+                )
             }
         };
-        let texture = entry.2.clone();
+        let found = (entry.2.clone(), entry.3);
         self.known.push(entry);
-        texture
+        found
+    }
+
+    /// Returns sentences about what a request with textures shows otherwise than its `shown` objects specify.
+    pub(crate) fn notes(
+        &self,
+        request: &PictureRequest,
+        shown: &dyn Fn(ObjectId) -> bool,
+    ) -> Vec<String> {
+        let mut notes = match request.view.space() {
+            Some(_) => notes(request),
+            None => Vec::new(),
+        };
+        // The colours of a script are used as they are.
+        let objects = request.scene.numbered().filter(|(id, object)| {
+            let is_solid = object.shape.solid().is_some();
+            shown(*id) && !is_solid && !request.scene.is_script()
+        });
+        for (id, object) in objects {
+            if request.shows_curvature_of(id) {
+                continue;
+            }
+            let varying = self.faults.iter().find(|(other, _)| *other == id);
+            let faults = varying.map(|(_, faults)| *faults);
+            let faults = faults.unwrap_or_else(|| request.colour_faults(object));
+            notes.extend(faults.notes(&object.name));
+        }
+        notes
     }
 }
 
@@ -120,7 +158,7 @@ fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object,
 }
 
 /// Returns sentences about the surfaces in space with more instances than images, in a request with these.
-pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
+fn notes(request: &PictureRequest) -> Vec<String> {
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
     let shown = scene.numbered().filter(|(id, object)| {
@@ -147,37 +185,42 @@ fn baked(
     domain: &[Sampling],
     uniforms: &[f64],
     side: u32,
-) -> Texture {
+) -> (Texture, ColourFaults) {
     let centres = [0, 1].map(|k| -> Vec<f64> {
         let Range { min, max } = domain[k].range;
         let at = |texel| min + (max - min) * (f64::from(texel) + 0.5) / f64::from(side);
         (0..side).map(at).collect()
     });
-    Texture::of_texels([side; 2], colours(scene, nodes, &centres, uniforms))
+    let (texels, faults) = colours(scene, nodes, &centres, uniforms);
+    (Texture::of_texels([side; 2], texels), faults)
 }
 
-/// Returns the opaque colours at all pairs of parameters u and v, u fastest. Undefined ones are white, like a surface without
-/// a colour.
+/// Returns the opaque colours at all pairs of parameters u and v, u fastest, and their faults. Undefined ones are white, like
+/// a surface without a colour.
 fn colours(
     scene: &Scene,
     nodes: &[NodeId],
     [us, vs]: &[Vec<f64>; 2],
     uniforms: &[f64],
-) -> Vec<[u8; 4]> {
+) -> (Vec<[u8; 4]>, ColourFaults) {
     let tape = Tape::new(&scene.graph, nodes);
     let mut texels = vec![[255; 4]; us.len() * vs.len()];
     let rows = texels.par_chunks_mut(us.len()).zip(vs);
-    rows.for_each_init(Registers::default, |registers, (texels, &v)| {
+    let faults = rows.map_init(Registers::default, |registers, (texels, &v)| {
+        let mut faults = ColourFaults::default();
         let mut values = vec![f64::NAN; tape.root_count()];
         for (texel, &u) in texels.iter_mut().zip(us) {
             let inputs = tape.inputs().iter();
             let inputs: Vec<f64> = inputs.map(|it| it.value(&[u, v], uniforms)).collect();
             tape.eval(registers, &inputs, &mut values);
+            faults.add(&values);
             if let Some(colour) = srgb_of(&values) {
                 let [r, g, b] = colour.map(|part| (255.0 * part).round() as u8);
                 *texel = [r, g, b, 255];
             }
         }
+        faults
     });
-    texels
+    let faults = faults.reduce(ColourFaults::default, ColourFaults::join);
+    (texels, faults)
 }

@@ -71,7 +71,7 @@ const ALL: [(A, &str); 22] = [
 const POSITIVE: f64 = 1e-12;
 /// A number that is out of range by at most this is within it: at the edge of a surface, a parameter exceeds its interval by
 /// rounding.
-const ROUNDING: f64 = 1e-9;
+pub const ROUNDING: f64 = 1e-9;
 /// The maximum opening angle of a camera that is not spherical: its picture is scaled by the tangent of half the angle.
 const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
 

@@ -4,6 +4,7 @@
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
 use geometry::MAX_POINTS;
+use geometry::solids::{ROUNDING, RayFault, RayNote};
 use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene};
 
 use super::PictureRequest;
@@ -31,6 +32,16 @@ impl PictureRequest {
             let mut instances = stated.instances(&self.params);
             instances.any(|colour| colour.is_some())
         })
+    }
+
+    /// Returns the faults of a colour that is the same at all points of an instance.
+    pub(crate) fn colour_faults(&self, object: &Object) -> ColourFaults {
+        let mut faults = ColourFaults::default();
+        if let Some(mut stated) = StatedColour::of(&self.scene, object) {
+            let instances = stated.numbers(&self.params);
+            instances.for_each(|numbers| faults.add(&numbers));
+        }
+        faults
     }
 
     /// Returns the colours of all objects, sRGB, in their order; those of the first instances.
@@ -160,6 +171,11 @@ impl<'a> StatedColour<'a> {
     /// Returns the colours of the instances, sRGB from 0 to 1, in their order: a single one if all are equal, `None` where
     /// the colour is undefined.
     fn instances(&mut self, params: &ParamValues) -> impl Iterator<Item = Option<[f64; 3]>> {
+        self.numbers(params).map(|numbers| srgb_of(&numbers))
+    }
+
+    /// Returns the numbers of the instances, as [`StatedColour::instances`] does their colours.
+    fn numbers(&mut self, params: &ParamValues) -> impl Iterator<Item = Vec<f64>> {
         let count = match self.is_one {
             true => 1,
             false => params
@@ -172,12 +188,50 @@ impl<'a> StatedColour<'a> {
         })
     }
 
-    fn at(&mut self, uniforms: &[f64]) -> Option<[f64; 3]> {
+    fn at(&mut self, uniforms: &[f64]) -> Vec<f64> {
         let inputs = self.tape.inputs().iter();
         let inputs: Vec<f64> = inputs.map(|it| it.value(&[], uniforms)).collect();
         let mut out = vec![f64::NAN; self.tape.root_count()];
         self.tape.eval(&mut self.registers, &inputs, &mut out);
-        srgb_of(&out)
+        out
+    }
+}
+
+/// The deviations of a colour from the numbers that an object specifies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ColourFaults {
+    is_undefined: bool,
+    is_clamped: bool,
+}
+
+impl ColourFaults {
+    /// Adds those of a colour with these numbers.
+    pub(crate) fn add(&mut self, numbers: &[f64]) {
+        let outside = |part: f64| (part - part.clamp(0.0, 1.0)).abs() > ROUNDING;
+        match numbers.iter().all(|part| part.is_finite()) {
+            true => self.is_clamped |= numbers.iter().any(|part| outside(*part)),
+            false => self.is_undefined = true,
+        }
+    }
+
+    /// Adds those of other colours.
+    pub(crate) fn join(self, other: Self) -> Self {
+        Self {
+            is_undefined: self.is_undefined || other.is_undefined,
+            is_clamped: self.is_clamped || other.is_clamped,
+        }
+    }
+
+    /// Returns the sentences about an object with them.
+    pub(crate) fn notes(self, object: &str) -> impl Iterator<Item = String> {
+        let undefined = RayFault::UndefinedAttribute("color");
+        let clamped = RayFault::ClampedAttribute("color");
+        let faults = [(self.is_undefined, undefined), (self.is_clamped, clamped)];
+        let faults = faults.into_iter().filter(|(is_there, _)| *is_there);
+        faults.map(move |(_, fault)| {
+            let object = object.to_owned();
+            RayNote { object, fault }.to_string()
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use geometry::solids::{
-    BackgroundImage, FaceImage, FaceOwner, ImagePart, RayNote, RayScene, RaySceneOptions,
+    BackgroundImage, FaceImage, FaceOwner, ImagePart, RayFault, RayNote, RayScene, RaySceneOptions,
     StandardLights, srgb,
 };
 use glam::DVec3;
@@ -254,6 +254,18 @@ impl SolidScene {
     /// Returns sentences about everything that differs from its declaration.
     pub(crate) fn notes(&self, request: &PictureRequest) -> impl Iterator<Item = String> {
         notes(&self.rays, request)
+    }
+
+    /// Returns sentences about the attributes that are undefined or out of range somewhere.
+    pub(crate) fn attribute_notes(&self) -> impl Iterator<Item = String> {
+        let notes = self.rays.notes().into_iter();
+        let is_attribute = |note: &RayNote| {
+            matches!(
+                note.fault,
+                RayFault::UndefinedAttribute(_) | RayFault::ClampedAttribute(_)
+            )
+        };
+        notes.filter(is_attribute).map(|note| note.to_string())
     }
 }
 

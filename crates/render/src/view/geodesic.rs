@@ -212,7 +212,14 @@ impl ViewRenderer for GeodesicRenderer {
             _ => by_software(shared, request, options, &map),
         };
         progress(1.0);
+        let surface = options.camera.surface;
+        let on_it = |id| request.scene.geodesics_on(surface).any(|(it, _)| it == id);
+        let is_shown = |id| id == surface || on_it(id);
+        let colours = shared.stated_colours.notes(request, &is_shown).into_iter();
+        let mut notes = image.notes;
+        notes.extend(colours.map(Note::Remark));
         Ok(RenderedImage {
+            notes,
             geodesics: Some((map.ends.work(), map.ends.estimate())),
             ..image
         })
@@ -275,6 +282,9 @@ impl GeodesicRenderer {
             |id, sampling: &_| self.solids.followed(request, &structures, id, sampling);
         let (remarks, overlays) =
             overlay::over_solid(&mut image, request, camera, map, &mut follow);
+        let on_it = |id| scene.geodesics_on(camera.object).any(|(it, _)| it == id);
+        let colours = shared.stated_colours.notes(request, &on_it).into_iter();
+        let remarks = solid.attribute_notes().chain(colours).chain(remarks);
         notes.extend(remarks.into_iter().map(Note::Remark));
         self.solids.next();
         Ok(RenderedImage {

@@ -32,7 +32,7 @@ use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
-use crate::stated_colours;
+use crate::stated_colours::StatedColours;
 use crate::style::{self, Look, Theme};
 use crate::texture::SurfaceImage;
 use crate::viewpoint::GeodesicCamera;
@@ -249,7 +249,7 @@ impl ViewRenderer for SpaceRenderer {
             let image = software::draw_beside(camera, &drawables, solids, background, &drawn);
             (Pixels::Image(image), notes)
         };
-        notes.extend(prepared.notes(request, options, painter.as_ref())?);
+        notes.extend(prepared.notes(request, options, painter.as_ref(), &shared.stated_colours)?);
         let words = prepared.words(shared, request, options);
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
@@ -393,8 +393,9 @@ impl PreparedPicture {
         request: &PictureRequest,
         options: &SpaceOptions,
         painter: Option<&SolidPainter<'_>>,
+        colours: &StatedColours,
     ) -> Result<Vec<String>, RenderError> {
-        let mut notes: Vec<String> = stated_colours::notes(request);
+        let mut notes = colours.notes(request, &|id| options.shows(id));
         notes.extend(camera_notes(request));
         notes.extend(self.framed.notes(request, |id| options.shows(id)));
         if let Some(painter) = painter {

@@ -210,7 +210,7 @@ fn each_instance_has_the_colours_of_its_places_and_its_grid_value() {
     let gpu = Gpu::shared().expect("a GPU or software Vulkan");
     let text = "grid k : [-1, 1, 3];
         surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3], v : [-0.3, 0.3],
-            color : ((k(k-1))/2, 1 - k^2, 0.9(k(k+1))/2 + u/9);";
+            color : ((k(k-1))/2, 1 - k^2, 0.9(k(k+1))/2 + (u + 0.3)/9);";
     let scene = crate::scenes::scene(text);
     let eye = SpaceOptions::seen_from([0.0, 0.0, 6.0], [0.0; 3]);
     let params = Arc::new(ParamValues::initial(&scene));
@@ -236,4 +236,54 @@ fn instances_beyond_the_last_image_are_noted() {
     let request = PictureRequest::new(&scene, params, eye, [SIDE; 2]);
     let (_, notes) = request.with_stated_colours();
     assert!(notes.len() == 1 && notes[0].contains("`s`"), "{notes:?}");
+}
+
+#[test]
+fn clamped_and_undefined_colours_are_noted_in_space_and_from_inside() {
+    let clamped = "`color` of `s` is out of range somewhere: it is clamped there";
+    let undefined = "`color` of `s` is undefined somewhere: its default is used there";
+    let surface = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1], color :";
+    let solid = "solid s(x, y, z) = x^2 + y^2 + z^2 - 1, color :";
+    for (object, colour, expected) in [
+        ("point s = (0, 0, 0), color :", "(k, 0, 0)", vec![clamped]),
+        (
+            "point s = (0, 0, 0), color :",
+            "(1/(k - 2), 0, 0)",
+            vec![undefined],
+        ),
+        (
+            "point s = (0, 0, 0), color :",
+            "(k/2 + 1e-12, 0, 0)",
+            vec![],
+        ),
+        (surface, "(k, 0, 0)", vec![clamped]),
+        (surface, "(u, 0, 0)", vec![clamped]),
+        (surface, "(sqrt u, 0, k)", vec![undefined, clamped]),
+        (surface, "(u^2, 0, k/2)", vec![]),
+        (solid, "(k, 0, 0)", vec![clamped]),
+    ] {
+        let scene = scenes::scene(&format!("param k = 2 : [0, 3]; {object} {colour};"));
+        let params = Arc::new(ParamValues::initial(&scene));
+        let s = ObjectId::new(0);
+        let mut views = vec![SpaceOptions::seen_from([0.0, 0.0, 4.0], [0.0; 3]).into()];
+        if !object.starts_with("point") {
+            let inside = GeodesicCamera::new(s).zoomed(0.5);
+            views.push(GeodesicOptions::from(inside).into());
+        }
+        let mut renderer = Renderer::software();
+        for view in views {
+            let view: render::request::ViewPart = view;
+            let request = PictureRequest::new(&scene, params.clone(), view, [SIDE; 2]);
+            let drawn = renderer
+                .draw(&request)
+                .expect("a picture")
+                .notes
+                .into_iter();
+            let remarks = drawn.filter_map(|note| match note {
+                render::Note::Remark(text) => Some(text),
+                render::Note::Cost(_) => None,
+            });
+            assert_eq!(remarks.collect::<Vec<_>>(), expected, "{object} {colour}");
+        }
+    }
 }

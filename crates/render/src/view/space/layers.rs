@@ -38,7 +38,7 @@ impl SpaceRenderer {
         let painter = prepared.painter(true, &counters);
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
-        notes.extend(prepared.notes(request, options, painter.as_ref())?);
+        notes.extend(prepared.notes(request, options, painter.as_ref(), &shared.stated_colours)?);
         let keyed = prepared.keyed_camera(options);
         let shown = keyed.as_ref();
         let words = prepared.words(shared, request, options);
