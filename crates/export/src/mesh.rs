@@ -330,14 +330,19 @@ impl Model {
             MeshFormat::Gltf | MeshFormat::Glb => (gltf::shift(self), "have no area"),
         };
         let note = |part: &Part| {
-            let Geometry::Surface(mesh, _) = &part.geometry else {
-                return None;
+            let (places, count, all) = match &part.geometry {
+                Geometry::Surface(mesh, _) => {
+                    (&mesh.places, mesh.collapsed(shift), mesh.triangles.len())
+                }
+                // They are left out, which is noted elsewhere.
+                _ if format.has_only_triangles() => return None,
+                Geometry::Lines(lines) => (&lines.places, 0, 0),
+                Geometry::Points(places) => (places, 0, 0),
             };
-            let count = mesh.collapsed(shift);
-            let (name, all, format) = (&part.name, mesh.triangles.len(), format.name());
+            let (name, format) = (&part.name, format.name());
             let loss = if count > 0 {
                 format!("{count} of the {all} triangles of `{name}` {end}")
-            } else if mesh.rounding(shift) > ROUGH {
+            } else if weld::rounding_share(places, shift) > ROUGH {
                 format!("the shape of `{name}` is rounded roughly")
             } else {
                 return None;
@@ -529,7 +534,7 @@ fn shapes(
     stated: impl Fn(u64) -> Option<Vec<[u8; 3]>>,
 ) -> (Vec<ColouredShape>, Vec<String>) {
     let (scene, params) = (&*request.scene, &*request.params);
-    let (samples, notes) = sample_with_notes(scene, params, id, placement);
+    let (samples, mut notes) = sample_with_notes(scene, params, id, placement);
     let mut counted = PlaceCount::default();
     let mut colours = Vec::new();
     let colour_of = |instance: usize| own[instance.min(own.len() - 1)];
@@ -556,9 +561,14 @@ fn shapes(
             let directions = positions(scene, params, object, direction);
             let mut lines = Polylines::default();
             let both = origins.iter().zip(&directions).zip(samples);
+            let mut zero = 0;
             for (instance, ((from, by), sample)) in both.enumerate() {
                 let tip = [0, 1, 2].map(|k| from[k] + by[k]);
                 if sample.defined == 0.0 {
+                    continue;
+                }
+                if tip == *from {
+                    zero += 1;
                     continue;
                 }
                 let ends = [*from, tip].map(|end| counted.is_held(&end));
@@ -566,6 +576,15 @@ fn shapes(
                     lines.add(&[Some(*from), Some(tip)]);
                     paint(instance, lines.places.len());
                 }
+            }
+            if zero > 0 {
+                let (all, name) = (samples.len(), &object.name);
+                notes.push(match all {
+                    1 => format!("`{name}` is left out: it has no length"),
+                    _ => format!(
+                        "{zero} of the {all} vectors of `{name}` are left out: they have no length"
+                    ),
+                });
             }
             Geometry::Lines(lines)
         }

@@ -1200,6 +1200,40 @@ fn triangles_without_an_area_in_single_precision_are_reported() {
 }
 
 #[test]
+fn lines_and_points_that_single_precision_rounds_roughly_are_reported() {
+    let far = exported(
+        "point o = (0, 0, 0); curve c(t) = (1e7, 1e7 + 0.001cos t, 0.001sin t), t : [0, 2pi]; \
+        vector v = (0.01, 0, 0) @ (1e7, 0, 0); curve fine(t) = (1e7 + 100t, t, 0), t : [0, 1e4];",
+    );
+    let notes = far.write(MeshFormat::Glb, &mut Vec::new()).expect("a file");
+    let rough = |name: &str| format!("the shape of `{name}` is rounded roughly: glTF");
+    assert_eq!(notes.len(), 2, "{notes:?}");
+    for (note, name) in notes.iter().zip(["c", "v"]) {
+        assert!(note.starts_with(&rough(name)), "{notes:?}");
+    }
+    let notes = far.write(MeshFormat::Obj, &mut Vec::new()).expect("a file");
+    assert_eq!(notes, [] as [&str; 0]);
+}
+
+#[test]
+fn vectors_without_a_length_are_left_out_and_reported() {
+    let model = exported(
+        "grid k : [0, 2, 3]; vector v = (k, 0, 0) @ (k, 1, 0); vector z = (0, 0, 0) @ (0.5, 0, 0);",
+    );
+    let names: Vec<&str> = model.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["v"]);
+    assert_eq!(
+        model.notes,
+        [
+            "1 of the 3 vectors of `v` are left out: they have no length",
+            "`z` is left out: it has no length",
+        ]
+    );
+    let obj = String::from_utf8(file(&model, MeshFormat::Obj)).expect("text");
+    assert_eq!(obj.lines().filter(|line| line.starts_with("l ")).count(), 2);
+}
+
+#[test]
 fn what_is_left_out_of_a_mesh_is_reported() {
     let model = exported(
         "surface s(u,v) = (1e39u, v, 0), u : [1, 2, 11], v : [0, 1, 3]; \

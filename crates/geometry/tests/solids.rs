@@ -669,6 +669,13 @@ fn points_arrows_and_curves_are_bodies() {
     let arrow = Shape::Vector { direction, origin };
     let thick = writer.number(0.2);
     writer.declare("v", arrow, &[], vec![stated("radius", &[thick], None)]);
+    // An arrow of length 0 is a point.
+    let (direction, origin) = (
+        writer.numbers([0.0, 0.0, 0.0]),
+        writer.numbers([0.0, -3.0, 0.0]),
+    );
+    let none = Shape::Vector { direction, origin };
+    writer.declare("z", none, &[], vec![stated("radius", &[thick], None)]);
     let [t, ..] = writer.variables();
     let zero = writer.number(0.0);
     let curve = Shape::Curve {
@@ -683,8 +690,9 @@ fn points_arrows_and_curves_are_bodies() {
     let tint = vec![stated("color", &[t, zero, zero], None)];
     writer.declare("c", curve, &[], tint);
     let scene = writer.prepared();
-    assert_eq!(scene.world().solid_count(), 3);
+    assert_eq!(scene.world().solid_count(), 4);
     let down = |x: f64, y: f64| ray([x, y, 5.0], [0.0, 0.0, -1.0]);
+    assert!(close(&crossings(&scene, &down(0.0, -3.0)), &[4.8, 5.2]));
     assert!(close(&crossings(&scene, &down(0.0, 0.0))[..2], &[3.9, 4.1]));
     // The shaft ends where the head, 8 · 0.2 long and 3 · 0.2 thick, begins.
     assert!(close(&crossings(&scene, &down(1.0, 3.0)), &[4.8, 5.2]));

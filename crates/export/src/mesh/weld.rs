@@ -122,21 +122,6 @@ impl Mesh {
             .count()
     }
 
-    /// Returns the largest rounding error of a coordinate in single precision, after `shift` is subtracted, as a fraction of
-    /// the mesh's size.
-    pub(super) fn rounding(&self, shift: [f32; 3]) -> f64 {
-        let (mut low, mut high, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
-        for place in &self.places {
-            for k in 0..3 {
-                let local = place[k] - f64::from(shift[k]);
-                most = most.max((f64::from(local as f32) - local).abs());
-                (low[k], high[k]) = (low[k].min(local), high[k].max(local));
-            }
-        }
-        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-        if size > 0.0 { most / size } else { 0.0 }
-    }
-
     /// Returns the unit normal of a triangle; zero if it has none.
     pub(crate) fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
         let [a, b, c] = self.corners(triangle).map(DVec3::from);
@@ -233,6 +218,21 @@ struct SampleGrid<'a> {
     size: [usize; 2],
     /// The first of the samples that coincide with each sample.
     class: Vec<u32>,
+}
+
+/// Returns the largest rounding error of a coordinate in single precision, after `shift` is subtracted, as a fraction of the
+/// size of the box around the points.
+pub(super) fn rounding_share(places: &[[f64; 3]], shift: [f32; 3]) -> f64 {
+    let (mut low, mut high, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
+    for place in places {
+        for k in 0..3 {
+            let local = place[k] - f64::from(shift[k]);
+            most = most.max((f64::from(local as f32) - local).abs());
+            (low[k], high[k]) = (low[k].min(local), high[k].max(local));
+        }
+    }
+    let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    if size > 0.0 { most / size } else { 0.0 }
 }
 
 /// True if single precision can represent a point. All formats leave out other points, so that they agree.

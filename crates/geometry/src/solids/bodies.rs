@@ -152,7 +152,12 @@ pub(super) fn parts(
                 let [direction, origin] = evaluated(&tape, &[], &uniforms, |out| {
                     [&out[..3], &out[3..]].map(DVec3::from_slice)
                 });
-                body.arrow(origin, direction, body.radius(&uniforms, 0.0));
+                let radius = body.radius(&uniforms, 0.0);
+                // As in the 3D view, an arrow of length 0 is a point.
+                match direction == DVec3::ZERO {
+                    true => body.ball(origin, radius, 0.0),
+                    false => body.arrow(origin, direction, radius),
+                }
             }
         }
         Shape::Curve {
