@@ -166,7 +166,8 @@ impl AxesBox {
                 break;
             }
             let fewer = marked(count);
-            if !fewer.is_empty() {
+            // No scale can be read off a single number.
+            if fewer.len() > 1 {
                 numbers = numbered(&fewer);
                 marks = fewer;
             }
@@ -382,12 +383,15 @@ fn ticks([low, high]: [f64; 2], count: u32) -> Vec<Tick> {
     // The digits between the first one of the greatest number and that of a step.
     let place = |x: f64| (x.log10() + 1e-9).floor();
     let digits = (place(most) - place(step)).max(1.0) as usize;
+    // All numbers have the exponent of the greatest one.
+    let exponent = place(most);
+    let unit_of_words = 10_f64.powf(exponent);
     (0..=steps as u32)
         .map(|k| {
             let value = (first + f64::from(k)) * step;
             let words = match (value == 0.0, is_long) {
                 (true, _) => "0".to_owned(),
-                (false, true) => format!("{value:.digits$e}"),
+                (false, true) => format!("{:.digits$}e{exponent}", value / unit_of_words),
                 (false, false) => format!("{value:.0$}", decimals as usize),
             };
             Tick {
@@ -440,7 +444,9 @@ mod tests {
             words([1e6, 1e6 + 10.0])[..3],
             ["1.000000e6", "1.000002e6", "1.000004e6"]
         );
-        assert_eq!(words([0.0, 2e-5])[..2], ["0", "5.0e−6"]);
+        assert_eq!(words([0.0, 2e-5])[..2], ["0", "0.5e−5"]);
+        let near = words([999_999.5, 1e6]);
+        assert_eq!(near[near.len() - 2..], ["0.9999999e6", "1.0000000e6"]);
         assert_eq!(words([3.0, 3.0]), [""; 0]);
         assert_eq!(
             words([1e20, 1e20 + 1e5]),
