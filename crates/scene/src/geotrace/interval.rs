@@ -33,7 +33,11 @@ pub(crate) enum Purpose {
 
 impl Purpose {
     /// Returns the hint for an interval that depends on a name.
-    fn constant_hint(self, name: &str) -> String {
+    fn constant_hint(self, role: Role, name: &str) -> String {
+        if let Role::Count = role {
+            return "write the count as a number: samples do not depend on params or grids"
+                .to_owned();
+        }
         match self {
             Self::Param => format!(
                 "keep the interval constant and scale in a define, as in `param a : [0, 1]; define b = {name} a;`"
@@ -162,7 +166,6 @@ fn constant(
     role: Role,
     purpose: Purpose,
 ) -> Result<Option<f64>, SemanticError> {
-    let role = role.name();
     if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
         let word = match lowerer.symbols.keyword(symbol) {
             Some(DeclarationKeyword::Grid) => "grid",
@@ -172,10 +175,11 @@ fn constant(
         return Err(SemanticError::new(
             error::INTERVAL_NOT_CONSTANT,
             format!(
-                "an interval is constant, but the {role} of this one depends on the {word} `{name}`"
+                "an interval is constant, but the {} of this one depends on the {word} `{name}`",
+                role.name()
             ),
         )
-        .with_hint(purpose.constant_hint(name)));
+        .with_hint(purpose.constant_hint(role, name)));
     }
     let node = match &lowered.value {
         None => return Ok(None),
@@ -184,7 +188,8 @@ fn constant(
             return Err(SemanticError::new(
                 error::INTERVAL_NOT_NUMBER,
                 format!(
-                    "the {role} of an interval is a number, not a vector of dimension {}",
+                    "the {} of an interval is a number, not a vector of dimension {}",
+                    role.name(),
                     vector.dimension()
                 ),
             ));
@@ -202,7 +207,7 @@ fn constant(
     };
     Err(SemanticError::new(
         error::INTERVAL_UNDEFINED,
-        format!("the {role} of this interval is {what}"),
+        format!("the {} of this interval is {what}", role.name()),
     ))
 }
 
