@@ -445,6 +445,7 @@ fn a_mesh_that_cannot_be_made_is_reported_and_leaves_no_file() {
     let folder = folder(&[("a.gtr", "curve c(t) = (t,0,0), t : [0,1];")]);
     for (arguments, status, words) in [
         (&["-o", "a.dxf"][..], 2, "does not determine a format"),
+        (&["-o", "."], 2, "write to `./out.glb`"),
         (&["-o", "-"], 2, "--format"),
         (
             &["-o", "a.obj", "--object", "d"],
@@ -490,6 +491,10 @@ fn animations_are_written_whole_or_not_at_all() {
         (
             &["-o", "a.gif", "--animate", "r=1:2", "--fps", "1e300"],
             "between 0.01 and 1000",
+        ),
+        (
+            &["-o", "a.gif", "--animate", "r=1:2", "--fps", "-3"],
+            "it must be greater than 0",
         ),
         (&["-o", "a.png", "--turntable"], "--frames N"),
         (

@@ -226,6 +226,23 @@ fn params_run_from_one_end_to_the_other() {
 }
 
 #[test]
+fn a_param_runs_through_an_interval_longer_than_the_largest_number() {
+    let scene = scene("param k : [-1e308, 1e308]; point p = (k, 0, 0);");
+    let params = ParamValues::initial(&scene);
+    let request = Wanted::space([8, 8]).of(&scene, &params);
+    let script = Script {
+        changes: vec![ParamChange {
+            name: "k".into(),
+            from: vec![-1e308],
+            to: vec![1e308],
+        }],
+        ..Script::default()
+    };
+    let frame = script.frame_at(&request, 0.75).expect("in its interval");
+    assert_eq!(frame.params.param(&scene.params[0]), [0.5e308]);
+}
+
+#[test]
 fn courses_have_their_ends_where_they_say() {
     let shares = |course: Course, frames: u32| -> Vec<f64> {
         (0..frames).map(|k| course.share(k, frames)).collect()

@@ -146,13 +146,18 @@ impl Texture {
         limits.max_alloc = Some(MAX_BYTES);
         let mut reader = reader.with_guessed_format().map_err(unreadable)?;
         // Other formats are decoded for animations only.
-        if let Some(format) = reader.format()
-            && !matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
-        {
-            let name = format.extensions_str().first().unwrap_or(&"strange");
+        let other = match reader.format() {
+            Some(ImageFormat::Png | ImageFormat::Jpeg) => None,
+            Some(format) => {
+                let name = format.extensions_str().first().unwrap_or(&"strange");
+                Some(format!("it is a {} file", name.to_uppercase()))
+            }
+            None => Some("its first bytes are those of no image format".to_owned()),
+        };
+        if let Some(message) = other {
             return Err(TextureError::NotAnImage {
                 path: path.to_owned(),
-                message: format!("it is a {} file", name.to_uppercase()),
+                message,
             });
         }
         reader.limits(limits);

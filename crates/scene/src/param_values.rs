@@ -32,6 +32,15 @@ pub enum SetError {
         /// A param or grid with a similar name.
         suggestion: Option<String>,
     },
+    /// The name is that of a component in an expression.
+    Component {
+        /// The name as given.
+        name: String,
+        /// The param or grid.
+        whole: String,
+        /// The number of its components.
+        components: usize,
+    },
     /// The number of values differs from the number of components.
     Components {
         /// The param or grid.
@@ -67,6 +76,18 @@ impl fmt::Display for SetError {
                     Some(suggestion) => write!(f, "; did you mean `{suggestion}`?"),
                     None => Ok(()),
                 }
+            }
+            Self::Component {
+                name,
+                whole,
+                components,
+            } => {
+                let all: Vec<String> = (1..=*components).map(|k| format!("V{k}")).collect();
+                let all = all.join(",");
+                write!(
+                    f,
+                    "`{name}` is a component of `{whole}`: state all of them, as in `{whole}={all}`"
+                )
             }
             Self::Components {
                 name,
@@ -201,10 +222,7 @@ impl ParamValues {
         }
         let position = scene.grids.iter().position(|grid| grid.name == name);
         let Some(position) = position else {
-            return Err(SetError::Unknown {
-                name: name.to_owned(),
-                suggestion: suggestion(scene, name),
-            });
+            return Err(unknown(scene, name));
         };
         let grid = &scene.grids[position];
         let ranges: Vec<Range> = grid.axes.iter().map(|axis| axis.range).collect();
@@ -348,6 +366,28 @@ impl ParamValues {
     }
 }
 
+/// Returns the error for a name that no param or grid has.
+fn unknown(scene: &Scene, name: &str) -> SetError {
+    let params = scene.params.iter().map(|it| (&it.name, it.ranges.len()));
+    let grids = scene.grids.iter().map(|it| (&it.name, it.axes.len()));
+    let component = name.rsplit_once('_').and_then(|(whole, number)| {
+        let number: usize = number.parse().ok()?;
+        let mut all = params.chain(grids);
+        all.find(|(other, count)| *other == whole && (1..=*count).contains(&number))
+    });
+    match component {
+        Some((whole, components)) => SetError::Component {
+            name: name.to_owned(),
+            whole: whole.clone(),
+            components,
+        },
+        None => SetError::Unknown {
+            name: name.to_owned(),
+            suggestion: suggestion(scene, name),
+        },
+    }
+}
+
 /// Returns the param or grid whose name is nearest to a word, if it is near enough.
 fn suggestion(scene: &Scene, word: &str) -> Option<String> {
     let params = scene.params.iter().map(|param| param.name.as_str());
@@ -480,6 +520,14 @@ mod tests {
         assert_eq!(
             sentence(params.set(&scene, "b", &[0.5, -1.0])),
             "`b_2` = -1 lies outside its interval [5, 6]"
+        );
+        assert_eq!(
+            sentence(params.set(&scene, "k_2", &[11.0])),
+            "`k_2` is a component of `k`: state all of them, as in `k=V1,V2`"
+        );
+        assert_eq!(
+            sentence(params.set(&scene, "b_3", &[0.5])),
+            "no param or grid is named `b_3`"
         );
         assert_eq!(
             sentence(params.set(&scene, "b", &[0.5])),

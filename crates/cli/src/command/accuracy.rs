@@ -59,7 +59,7 @@ pub(super) struct Arguments {
     /// The surface's name [default: the program's first surface]
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
+    /// A value for a param or a grid, NAME=A,B for components [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The picture's size in pixels

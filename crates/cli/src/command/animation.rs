@@ -50,10 +50,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COURSE", value_parser = course)]
     course: Option<Course>,
     /// The number of frames [default: 60]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=i64::from(animation::MOST_FRAMES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=i64::from(animation::MOST_FRAMES)), allow_hyphen_values = true)]
     frames: Option<u32>,
     /// Frames per second [default: 25]
-    #[arg(long, value_name = "RATE", value_parser = argument::rate)]
+    #[arg(long, value_name = "RATE", value_parser = argument::rate, allow_hyphen_values = true)]
     fps: Option<f64>,
 }
 

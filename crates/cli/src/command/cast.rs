@@ -60,7 +60,7 @@ pub(super) struct Arguments {
     /// The only solid to cast into, which may be a part of others [default: all that are drawn]
     #[arg(long, value_name = "NAME")]
     solid: Option<String>,
-    /// A value for a param or a grid; may be given several times
+    /// A value for a param or a grid, NAME=A,B for components; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// Human-readable text, or one JSON document per ray

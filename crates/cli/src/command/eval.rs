@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     /// The expression, as if written at the end of the program
     #[arg(allow_hyphen_values = true, value_name = "EXPR")]
     expression: String,
-    /// A value for a param or a grid; may be given several times
+    /// A value for a param or a grid, NAME=A,B for components; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// Human-readable text, or one JSON document

@@ -47,7 +47,7 @@ pub(super) struct Arguments {
     /// An object to write; may be given several times [default: all objects]
     #[arg(long, value_name = "NAME")]
     object: Vec<String>,
-    /// A value for a param or a grid; may be given several times
+    /// A value for a param or a grid, NAME=A,B for components; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// An image (PNG or JPEG) for a surface: its left edge is at u min, its top edge at v min. `SURFACE=curvature` colours it
@@ -147,7 +147,8 @@ fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
             )
         } else {
             let message = format!("the extension of `{name}` does not determine a format");
-            (message, Some(path.with_extension("glb")))
+            let file = path.file_name().map(|_| path.with_extension("glb"));
+            (message, Some(file.unwrap_or_else(|| path.join("out.glb"))))
         };
         let known = known.join(", ");
         Failure::Usage {

@@ -67,7 +67,7 @@ pub(super) struct Arguments {
     /// Three points
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
     triangle: Option<Vec<Pair>>,
-    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
+    /// A value for a param or a grid, NAME=A,B for components [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// Human-readable text, or one JSON document

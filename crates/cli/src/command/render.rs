@@ -88,7 +88,7 @@ pub(super) struct Arguments {
     /// The picture's size in pixels [default: 800x800, for a CRT script 800x600]
     #[arg(long, value_name = "WxH", value_parser = argument::size, allow_hyphen_values = true)]
     size: Option<Size>,
-    /// A value for a param or a grid; may be given several times
+    /// A value for a param or a grid, NAME=A,B for components; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The renderer: auto uses a hardware GPU if there is one, else the software path, and reports which
@@ -114,7 +114,7 @@ pub(super) struct Arguments {
     #[arg(long, alias = "color", value_name = "OBJECT=COLOUR", value_parser = argument::object_colour)]
     colour: Vec<ObjectColour>,
     /// The scale of lines, points and text
-    #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true)]
+    #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true, allow_hyphen_values = true)]
     scale: f64,
     /// Use the settings that the window saved for this program; options given here override them
     #[arg(long)]

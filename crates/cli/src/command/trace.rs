@@ -67,20 +67,20 @@ pub(super) struct Arguments {
     /// The length, in the surface's units
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true)]
     length: Quantity,
-    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
+    /// A value for a param or a grid, NAME=A,B for components [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The error allowed per step, relative to the step's length, up to 0.01 [default: 1.5e-10]
     #[arg(long, value_name = "T", value_parser = argument::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// The maximum number of evaluations of the surface and its derivatives [default: 10 million, a few seconds]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
     max_evaluations: Option<u32>,
     /// The method of integration
     #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]
     method: PictureMethod,
     /// The number of steps of rk4-pixel
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_EQUAL_STEPS)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_EQUAL_STEPS)), allow_hyphen_values = true)]
     steps: Option<u32>,
     /// List the conjugate points along the geodesic, where geodesics that start beside it meet it again, and the
     /// Jacobi field at the end

@@ -114,7 +114,11 @@ impl Script {
                 } else if share >= 1.0 {
                     *to
                 } else {
-                    from + share * (to - from)
+                    let way = to - from;
+                    match way.is_finite() {
+                        true => from + share * way,
+                        false => (1.0 - share) * from + share * to,
+                    }
                 }
             };
             let values: Vec<f64> = from.iter().zip(to).map(between).collect();

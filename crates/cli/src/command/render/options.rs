@@ -108,10 +108,10 @@ pub(super) struct SpaceViewArguments {
 #[group(skip)]
 pub(super) struct TracedViewArguments {
     /// Samples per pixel [default: 16, through a lens 64, for a CRT script the script's own]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(traced::MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(traced::MAX_SAMPLES)), allow_hyphen_values = true)]
     pub(super) samples: Option<u32>,
     /// The maximum number of reflections and refractions along a ray [default: 8, for a CRT script the script's own]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), allow_hyphen_values = true)]
     pub(super) bounces: Option<u32>,
     /// Work limit for one sample of every pixel, in operations on solids, lights and surfaces [default: a few
     /// seconds' worth]
@@ -122,7 +122,7 @@ pub(super) struct TracedViewArguments {
     #[arg(long, value_name = "LOOK", value_parser = argument::choice(&LOOKS))]
     pub(super) look: Option<PictureLook>,
     /// With --look crt, light is raised to the power 1/GAMMA [default: the script's gamma, or 1]
-    #[arg(long, value_name = "GAMMA", value_parser = argument::positive, hide_short_help = true)]
+    #[arg(long, value_name = "GAMMA", value_parser = argument::positive, hide_short_help = true, allow_hyphen_values = true)]
     pub(super) gamma: Option<f64>,
 }
 
