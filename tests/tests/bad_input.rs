@@ -954,7 +954,7 @@ fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
     // A picture of the series is large, so that the signal comes before its first sample is done.
     let series = "-o f.png --size 1600x1200 --animate a=0:1 --frames 100000 --samples 1";
     let printed = kept(folder.path(), series);
-    assert!(printed.contains(" of 100000 pictures"), "{printed}");
+    assert!(printed.contains(" of 100000 frames"), "{printed}");
     let files = std::fs::read_dir(folder.path()).expect("a folder").count();
     assert!(files > 2, "{printed}");
     let video = "render s.gtr -o f.apng --animate a=0:1 --partial";

@@ -565,6 +565,32 @@ fn animations_are_written_whole_or_not_at_all() {
 }
 
 #[test]
+fn notes_of_all_frames_are_told_once() {
+    let folder = folder(&[(
+        "a.gtr",
+        "param r : [0, 1]; point p = (1/r, 0, 0); point q = (sqrt(0.4 - r), 0, 0); point w = (sqrt(-1), 0, 0); \
+         point o = (0, 0, 0);",
+    )]);
+    for change in ["r=0:1", "r=1:0"] {
+        let words = "render a.gtr --size 20x20 --frames 3 -o a.gif --animate";
+        let words: Vec<&str> = words.split(' ').chain([change]).collect();
+        let run = run(folder.path(), &words, "");
+        let lines = run.stderr.lines().filter(|line| line.starts_with("note: "));
+        let mut notes: Vec<&str> = lines.collect();
+        notes.sort_unstable();
+        assert_eq!(
+            notes,
+            [
+                "note: `w` is undefined at the current params and is not drawn",
+                "note: in 1 of 3 frames: `p` is undefined at the current params and is not drawn",
+                "note: in 2 of 3 frames: `q` is undefined at the current params and is not drawn",
+            ]
+        );
+        assert!(run.stderr.contains("; 3 frames, "), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn a_background_is_seen_where_nothing_is_drawn() {
     let folder = folder(&[("a.gtr", "point p = (0,0,0);")]);
     for (colour, alpha) in [("transparent", 0), ("#10203080", 128), ("white", 255)] {

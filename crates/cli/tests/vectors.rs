@@ -306,7 +306,7 @@ fn ffmpeg_receives_every_picture_and_what_to_do_with_them() {
         let output = geotrace(folder.path(), &options, Some(tools.path()));
         assert!(output.status.success(), "{}", printed(&output));
         assert!(
-            printed(&output).contains("4 pictures, 0.32 s long"),
+            printed(&output).contains("4 frames, 0.32 s long"),
             "{}",
             printed(&output)
         );

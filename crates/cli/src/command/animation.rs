@@ -11,7 +11,7 @@ use export::animation_file::{AnimationError, AnimationFile};
 use export::mesh::MeshFormat;
 use export::print::PrintFormat;
 use export::video::VideoError;
-use render::PictureRequest;
+use render::{Note, PictureRequest};
 use scene::{FailedRun, ParamValues};
 
 use super::render::{Picture, failure as render_failure};
@@ -24,6 +24,8 @@ use crate::progress::Progress;
 
 /// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
+/// The maximum number of notes on an animation that are printed.
+const MOST_NOTES: usize = 16;
 /// The time after which an interruption is looked for again.
 const INTERRUPTION_POLL: Duration = Duration::from_millis(20);
 
@@ -79,8 +81,49 @@ fn course(name: &str) -> Result<Course, String> {
 #[derive(Debug)]
 struct DrawnPicture {
     image: image::RgbaImage,
+    notes: Vec<Note>,
     /// The description of the first one.
-    summary: Option<String>,
+    description: Option<String>,
+}
+
+/// The notes of the frames: each sentence once, with the number of frames that have it. Those about costs are those of the
+/// first frame.
+#[derive(Debug, Default)]
+struct FrameNotes {
+    frames: usize,
+    sentences: Vec<(Note, usize)>,
+}
+
+impl FrameNotes {
+    /// Adds the notes of the next frame.
+    fn add(&mut self, notes: Vec<Note>) {
+        for note in notes {
+            let mut known = self.sentences.iter_mut();
+            match known.find(|(other, _)| *other == note) {
+                Some((_, count)) => *count += 1,
+                None if self.frames > 0 && matches!(note, Note::Cost(_)) => {}
+                None => self.sentences.push((note, 1)),
+            }
+        }
+        self.frames += 1;
+    }
+
+    /// The lines for standard error.
+    fn text(&self) -> String {
+        let frames = self.frames;
+        let shown = self.sentences.iter().take(MOST_NOTES);
+        let lines = shown.map(|(note, count)| match note {
+            Note::Remark(text) if *count < frames => {
+                format!("note: in {count} of {frames} frames: {text}\n")
+            }
+            note => format!("note: {note}\n"),
+        });
+        let mut text: String = lines.collect();
+        if let Some(more @ 1..) = self.sentences.len().checked_sub(MOST_NOTES) {
+            text.push_str(&format!("note: and {more} more notes\n"));
+        }
+        text
+    }
 }
 
 /// Draws the picture at a share of the animation, and reports its progress to the second argument.
@@ -266,8 +309,8 @@ impl Animation {
         }
     }
 
-    /// Draws all pictures, one after the other, and writes them, over none of the `inputs`; then prints `summary` of the
-    /// first picture and the file's name. Once an end has been asked for, which a command hears only if it keeps what is
+    /// Draws all pictures, one after the other, and writes them, over none of the `inputs`; then prints their notes, and what
+    /// `describe` returns for the first picture and the file's name. Once an end has been asked for, which a command hears only if it keeps what is
     /// done, the picture that is being drawn is not waited for: the program ends when those before it are written.
     ///
     /// # Errors
@@ -277,7 +320,7 @@ impl Animation {
         inputs: &Inputs,
         size: [u32; 2],
         draw: &Draw<'_>,
-        summary: impl Fn(&Picture, &str) -> String,
+        describe: impl Fn(&Picture, &str) -> String,
     ) -> Result<(), Failure> {
         // Checked before anything is drawn.
         for path in self.paths() {
@@ -308,7 +351,8 @@ impl Animation {
                     |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
                 let drawn = draw(self.course.share(number, self.frames), &done);
                 let drawn = drawn.map(|picture| DrawnPicture {
-                    summary: (number == 0).then(|| summary(&picture, &self.name())),
+                    description: (number == 0).then(|| describe(&picture, &self.name())),
+                    notes: picture.notes,
                     image: picture.image,
                 });
                 // Nobody receives it if the thread that writes has panicked.
@@ -336,7 +380,8 @@ impl Animation {
             size,
             rate: self.rate,
         };
-        let mut text = String::new();
+        let mut description = String::new();
+        let mut notes = FrameNotes::default();
         let mut drawn = 0;
         let mut next = |number: u32| -> Result<Option<image::RgbaImage>, Failure> {
             // If nobody draws, there is no picture.
@@ -354,15 +399,17 @@ impl Animation {
                 }
             };
             drawn += 1;
-            text.extend(picture.summary);
+            description.extend(picture.description);
+            notes.add(picture.notes);
             Ok(Some(picture.image))
         };
         let written = self.file.write(&self.output, clip, &mut next);
         written.map_err(|error| self.failure(error))?;
         let frames = drawn;
-        text.truncate(text.trim_end().len());
+        let mut text = notes.text();
+        text.push_str(description.trim_end());
         text.push_str(&match self.file.seconds(Clip { frames, ..clip }) {
-            Some(seconds) => format!("; {frames} pictures, {seconds:.2} s long\n"),
+            Some(seconds) => format!("; {frames} frames, {seconds:.2} s long\n"),
             None => format!("; the first of {frames}\n"),
         });
         if self.file == AnimationFile::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
@@ -372,9 +419,7 @@ impl Animation {
         }
         if frames < self.frames {
             let wanted = self.frames;
-            text.push_str(&format!(
-                "note: interrupted: {frames} of {wanted} pictures\n"
-            ));
+            text.push_str(&format!("note: interrupted: {frames} of {wanted} frames\n"));
         }
         Ok(text)
     }
@@ -456,7 +501,8 @@ mod tests {
             let (sender, pictures) = mpsc::channel();
             let picture = DrawnPicture {
                 image: image::RgbaImage::new(2, 2),
-                summary: Some("a picture\n".to_owned()),
+                notes: Vec::new(),
+                description: Some("a picture\n".to_owned()),
             };
             sender.send(Ok(picture)).expect("it is received");
             let polls = Cell::new(0);
@@ -465,7 +511,7 @@ mod tests {
                 .write_pictures([2, 2], ask, pictures, is_over)
                 .expect("written");
             assert!(text.starts_with("a picture; "), "{text}");
-            assert!(text.ends_with("interrupted: 1 of 10 pictures\n"), "{text}");
+            assert!(text.ends_with("interrupted: 1 of 10 frames\n"), "{text}");
             assert_eq!(asked.iter().collect::<Vec<_>>(), [0, 1]);
             // The second is never sent.
             drop(sender);

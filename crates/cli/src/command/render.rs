@@ -266,8 +266,8 @@ fn draw(
     }
     let inputs = Inputs::new(&arguments.file, images.files());
     if let Some(animation) = animation {
-        let summary = |picture: &Picture, what: &str| summary(picture, what, &request, views);
-        return animation.write(&inputs, request.size, &draw, summary);
+        let describe = |picture: &Picture, name: &str| described(picture, name, &request, views);
+        return animation.write(&inputs, request.size, &draw, describe);
     }
     let target = OutputTarget::apart_from(&arguments.output, &inputs)?;
     if let Some(format) = print {
@@ -293,7 +293,7 @@ fn check_partial(animation: Option<&Animation>, is_refined: bool) -> Result<(), 
         None => Err(Failure::Usage {
             message: "--partial: there is no part of this picture that could be kept".to_owned(),
             hint: Some(
-                "it keeps the samples of a traced picture in a .png, or the pictures of an animation"
+                "it keeps the samples of a traced picture in a .png, or the frames of an animation"
                     .to_owned(),
             ),
         }),
@@ -356,6 +356,12 @@ fn summary(picture: &Picture, name: &str, request: &PictureRequest, views: &View
     for note in &picture.notes {
         text.push_str(&format!("note: {note}\n"));
     }
+    text.push_str(&described(picture, name, request, views));
+    text
+}
+
+/// The line for standard error with the view of the picture and its backend.
+fn described(picture: &Picture, name: &str, request: &PictureRequest, views: &Views) -> String {
     let id = ViewId::from_request(request);
     let title = views.get(&id.kind).map_or(&*id.kind, |view| view.title());
     let mut view = title.to_owned();
@@ -367,11 +373,10 @@ fn summary(picture: &Picture, name: &str, request: &PictureRequest, views: &View
         view.push_str(&format!(" of `{object}`"));
     }
     let (width, height) = picture.image.dimensions();
-    text.push_str(&format!(
-        "{}: {view}, {width}×{height} pixels, drawn by {}\n",
-        name, picture.backend
-    ));
-    text
+    format!(
+        "{name}: {view}, {width}×{height} pixels, drawn by {}\n",
+        picture.backend
+    )
 }
 
 pub(super) fn failure(error: RenderError) -> Failure {
