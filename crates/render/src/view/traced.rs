@@ -92,6 +92,11 @@ struct TracedSettings {
 }
 
 impl TracedOptions {
+    /// Returns the formulas that convert light to bytes.
+    pub fn picture_look(&self, scene: &Scene) -> PictureLook {
+        self.settings(scene).look
+    }
+
     fn settings(&self, scene: &Scene) -> TracedSettings {
         let stated = scene.picture.as_ref();
         let usual = match stated {

@@ -47,10 +47,11 @@ pub(super) struct OverlayArguments {
     #[arg(long)]
     pub(super) labels: bool,
     /// Draw geodesic circles around the camera, SPACING apart [default: the least 1, 2 or 5 times a power of ten that
-    /// is at least a quarter of the distance to the picture's edge]. In the 3D view with --show-camera
+    /// is at least a quarter of the distance to the picture's edge]. In the 3D view with --show-camera SURFACE
     #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, hide_short_help = true)]
     pub(super) wavefronts: Option<Option<f64>>,
-    /// Mark the conjugate points, where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
+    /// Mark the conjugate points, where geodesics from the camera meet their neighbours; in the 3D view with
+    /// --show-camera SURFACE
     #[arg(long, hide_short_help = true)]
     pub(super) conjugate: bool,
     /// Draw the cut locus, beyond which every point is nearer along another geodesic

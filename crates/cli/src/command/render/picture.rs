@@ -17,6 +17,7 @@ use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views, most_traced_operations};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
+use tracer::PictureLook;
 
 use super::Arguments;
 use super::images::Images;
@@ -390,7 +391,8 @@ pub(super) fn idle_colours(arguments: &Arguments, request: &PictureRequest) -> V
 }
 
 /// Notes on options that the chosen view does not use.
-pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
+pub(super) fn idle_options(arguments: &Arguments, request: &PictureRequest) -> Vec<String> {
+    let (view, scene) = (&request.view, &*request.scene);
     let of_camera = [
         ("--at", arguments.geodesic.at.is_some()),
         ("--angle", arguments.geodesic.angle.is_some()),
@@ -440,20 +442,40 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         (&drawn[..], "the 3D view: leave out `--view traced`")
     };
     let geodesic = "the geodesic view: add `--view geodesic`";
-    let shown =
-        "the geodesic view, or a camera in space: add `--view geodesic` or `--show-camera SURFACE`";
+    let shown = match view.draws_lines() {
+        true => {
+            "the geodesic view, or a camera in space: add `--view geodesic` or `--show-camera SURFACE`"
+        }
+        false => geodesic,
+    };
     let idle: &[(&[(&str, bool)], &str)] =
         match (view.geodesic_camera(), &arguments.space.show_camera) {
             (Some(_), _) => &[(&space, "the 3D view")],
             (_, None) => &[(&of_camera, shown), (&inside, geodesic)],
             (_, Some(_)) => &[(&inside, geodesic)],
         };
+    // Around a camera on a solid they are drawn in its geodesic view only.
+    let around = [
+        ("--wavefronts", arguments.overlays.wavefronts.is_some()),
+        ("--conjugate", arguments.overlays.conjugate),
+    ];
+    let shown = view.shown_camera().filter(|_| view.space().is_some());
+    let on_solid = shown.is_some_and(|camera| scene.is_solid(camera.surface));
+    let on_solid = on_solid.then_some((&around[..], "the geodesic view of a solid"));
     let sentences = |options: &[(&str, bool)], other: &str| -> Vec<String> {
         let given = options.iter().filter(|(_, given)| *given);
         let sentences = given.map(|(option, _)| format!("{option} belongs to {other}"));
         sentences.collect()
     };
-    let all = idle.iter().copied().chain([beside]);
-    all.flat_map(|(options, view)| sentences(options, view))
-        .collect()
+    let all = idle.iter().copied().chain(on_solid).chain([beside]);
+    let mut notes: Vec<String> = all
+        .flat_map(|(options, view)| sentences(options, view))
+        .collect();
+    let is_idle = |traced: &TracedOptions| {
+        traced.gamma.is_some() && traced.picture_look(scene) != PictureLook::Crt
+    };
+    if view.get::<TracedOptions>().is_some_and(is_idle) {
+        notes.push("--gamma belongs to `--look crt`".to_owned());
+    }
+    notes
 }

@@ -439,7 +439,7 @@ fn an_overlay_is_idle_where_the_view_does_not_draw_it() {
         else {
             panic!("another command");
         };
-        let notes = picture::idle_options(&arguments, &request.view);
+        let notes = picture::idle_options(&arguments, &request);
         let drawn = request.view.drawn(request.overlays);
         for (option, is_drawn) in [
             ("--legend", drawn.legend),
@@ -456,5 +456,39 @@ fn an_overlay_is_idle_where_the_view_does_not_draw_it() {
                 .any(|note| note.split(' ').next() == Some(option));
             assert_eq!(is_idle, !is_drawn, "{view} {option}: {notes:?}");
         }
+    }
+}
+
+#[test]
+fn options_without_an_effect_are_noted() {
+    let bench = Bench::new();
+    let file = bench.folder.path().join(NAME);
+    let of_solid = "belongs to the geodesic view of a solid";
+    let waves = [
+        format!("--wavefronts {of_solid}"),
+        format!("--conjugate {of_solid}"),
+    ];
+    let inside = "--wavefronts belongs to the geodesic view: add `--view geodesic`";
+    for (options, expected) in [
+        ("--show-camera=dot --wavefronts=0.5 --conjugate", &waves[..]),
+        ("--show-camera=s --wavefronts=0.5 --conjugate", &[]),
+        (
+            "--view=traced --gamma=2",
+            &["--gamma belongs to `--look crt`".to_owned()],
+        ),
+        ("--view=traced --look=crt --gamma=2", &[]),
+        ("--view=traced --wavefronts=0.5", &[inside.to_owned()]),
+    ] {
+        let words = ["geotrace", "render", "-o", "out.png"].into_iter();
+        let words = words.chain(options.split(' ')).map(str::to_owned);
+        let words: Vec<String> = words.chain([file.display().to_string()]).collect();
+        let request = bench.read(&words);
+        let parsed = CommandArguments::parse_with(&bench.context.registry, &words);
+        let Some(crate::command::Command::Render(arguments)) = parsed.expect("options").command
+        else {
+            panic!("another command");
+        };
+        let notes = picture::idle_options(&arguments, &request);
+        assert_eq!(notes, expected, "{options}");
     }
 }
