@@ -427,3 +427,28 @@ fn a_start_on_another_meridian_is_given_in_parameters_of_any_unit() {
         assert_close("from", from.expect("another meridian") * scale, 3.0, 1e-9);
     }
 }
+
+#[test]
+fn a_side_that_is_one_of_several_shortest_geodesics_has_a_remark() {
+    let family = "opposite side 3.14159265359, one of a family: the ends are conjugate";
+    measure(SPHERE, "--triangle 0,0 pi,0 1,1").expect_text(family);
+    let found = document(SPHERE, "--triangle 0,0 pi,0 1,1");
+    let note = found["note"].as_str().expect("a note");
+    assert!(
+        note.starts_with("side 3 is one of a family: the ends are conjugate; "),
+        "{note}"
+    );
+    // Opposite points of the inner circle of a torus.
+    let tie = measure(TORUS, "--triangle 0,pi pi,pi 1,2 --set r=1");
+    tie.expect_text(", one of several of this length");
+    let plain = measure(SPHERE, "--triangle 0,0 1,0 0,1");
+    assert!(!plain.stdout.contains("one of"), "{}", plain.stdout);
+}
+
+#[test]
+fn a_solid_is_not_measured_but_traced() {
+    let refused = measure("solid q(x, y, z) = x^2 + y^2 + z^2 - 1;", "--at 1,1");
+    refused
+        .expect_status(2)
+        .expect_text("`geotrace trace` and `--view geodesic` work on solids");
+}

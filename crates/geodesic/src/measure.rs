@@ -32,7 +32,7 @@ use crate::point::Uv;
 use crate::reparametrised::Reparametrised;
 use crate::trace::TraceError;
 
-pub use between::{Connection, Connections, MOST_CONNECTIONS, between, distance};
+pub use between::{Connection, Connections, FAMILY_REMARK, MOST_CONNECTIONS, between, distance};
 pub use circle::{Circle, RayStop, circle};
 pub use gap::{components, is_one_place, shortest_step};
 pub use place::{PlaceMeasures, Principal, place};

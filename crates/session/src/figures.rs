@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use geodesic::measure::{Circle, Connections, PlaceMeasures, RayStop, Triangle};
+use geodesic::measure::{Circle, Connections, FAMILY_REMARK, PlaceMeasures, RayStop, Triangle};
 use geodesic::surface::Surface;
 use render::figure::Figure;
 use render::measured::{FigureMeasures, lines, measure};
@@ -82,10 +82,7 @@ fn distance_rows(all: &Connections) -> Measured {
         rows.push(Quantity::new("and", format!("{more} more")));
     }
     if all.found.iter().any(|it| it.conjugate) {
-        rows.push(Quantity::new(
-            "conjugate",
-            "one of a family of the same length",
-        ));
+        rows.push(Quantity::new("conjugate", FAMILY_REMARK));
     }
     let note = match (all.found.is_empty(), all.complete) {
         (true, _) => Some("no geodesic between the two points was found"),
@@ -145,12 +142,14 @@ fn errors(first: f64, second: f64) -> Quantity {
 fn triangle_rows(found: &Triangle) -> Measured {
     let mut rows = Vec::new();
     let ends = ["B to C", "C to A", "A to B"];
-    for ((name, ends), side) in ["a", "b", "c"].iter().zip(ends).zip(&found.sides) {
+    for (k, (name, ends)) in ["a", "b", "c"].iter().zip(ends).enumerate() {
+        let side = found.sides[k];
         let length = side.map_or_else(|| "none found".to_owned(), |side| number(side.length));
-        rows.push(Quantity::new(
-            format!("side {name}"),
-            format!("{length}; {ends}"),
-        ));
+        let mut shown = format!("{length}; {ends}");
+        if let Some(remark) = found.remark(k) {
+            shown.push_str(&format!("; {remark}"));
+        }
+        rows.push(Quantity::new(format!("side {name}"), shown));
     }
     for (name, at) in ["A", "B", "C"].iter().zip(found.angles) {
         let shown = at.map_or_else(|| "none".to_owned(), angle);

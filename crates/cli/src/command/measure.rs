@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 use geodesic::measure::{
-    self, Circle, Connection, Connections, MeasureError, PlaceMeasures, RayStop,
+    self, Circle, Connection, Connections, MeasureError, PlaceMeasures, RayStop, Triangle,
 };
 use geodesic::surface::Surface;
 use scene::ParamValues;
@@ -353,7 +353,7 @@ impl Measuring<'_> {
                 area: region.area_error,
                 curvature: region.curvature_error,
             }),
-            note: found.region.err().map(|error| error.to_string()),
+            note: triangle_note(&found),
         };
         self.print(&document, &text::triangle(&found))
     }
@@ -396,6 +396,14 @@ fn note(found: &Connections, distance: Option<f64>) -> Option<String> {
 }
 
 pub(super) fn stopped(stop: &RayStop) -> String {
+/// The sides of a triangle that could be others, with other results, and why it has no region.
+fn triangle_note(found: &Triangle) -> Option<String> {
+    let remark = |k| Some(format!("side {} is {}", k + 1, found.remark(k)?));
+    let error = found.region.err().map(|error| error.to_string());
+    let clauses: Vec<String> = (0..3).filter_map(remark).chain(error).collect();
+    (!clauses.is_empty()).then(|| clauses.join("; "))
+}
+
     stop.clause(&show_measured(stop.length))
 }
 

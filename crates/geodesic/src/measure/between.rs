@@ -46,6 +46,9 @@ pub struct Connections {
     pub distance_known: bool,
 }
 
+/// The remark at a geodesic whose ends are conjugate.
+pub const FAMILY_REMARK: &str = "one of a family: the ends are conjugate";
+
 /// The maximum number of geodesics returned.
 pub const MOST_CONNECTIONS: usize = 32;
 
@@ -239,6 +242,13 @@ fn both_ways<'s>(
 }
 
 impl Connections {
+    /// Returns true if another geodesic is as short as the first.
+    pub(super) fn has_tie(&self) -> bool {
+        let mut lengths = self.found.iter().map(|it| it.length);
+        let (first, second) = (lengths.next(), lengths.next());
+        first.is_some_and(|first| second.is_some_and(|it| it <= first * (1.0 + SAME_LENGTH)))
+    }
+
     /// Adds those that are not yet included.
     fn add(&mut self, others: Vec<Connection>, size: f64) {
         for it in others {

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 
 use super::MeasureError;
-use super::between::{Connection, all_within, shortest};
+use super::between::{Connection, FAMILY_REMARK, all_within, shortest};
 use super::gap::{AimedPlace, components, is_one_place};
 use super::quadrature;
 use super::rescaled::Rescaled;
@@ -25,6 +25,8 @@ use crate::surface::Surface;
 pub struct Triangle {
     /// The sides, the k-th opposite the k-th corner; `None` where no geodesic was found.
     pub sides: [Option<Connection>; 3],
+    /// True for a side if another geodesic between its ends was found that is as short.
+    pub ties: [bool; 3],
     /// The angles at the corners, in radians: those of the region inside, which may be larger than π where it contains the tip
     /// of a cone; without a region the smaller ones. `None` where a side is missing.
     pub angles: [Option<f64>; 3],
@@ -37,6 +39,15 @@ impl Triangle {
     pub fn excess(&self) -> Option<f64> {
         let [a, b, c] = self.angles;
         Some(a? + b? + c? - PI)
+    }
+
+    /// Returns the remark at a side, with an index from 0, that is one of several shortest geodesics: with another one the
+    /// angles and the region are others.
+    pub fn remark(&self, side: usize) -> Option<&'static str> {
+        match self.sides[side] {
+            Some(side) if side.conjugate => Some(FAMILY_REMARK),
+            _ => self.ties[side].then_some("one of several of this length"),
+        }
     }
 }
 
@@ -139,15 +150,15 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
         targets.push(AimedPlace::new(surface, corner)?);
     }
     let is_one = |[from, to]: [usize; 2]| is_one_place(surface, corners[from], corners[to]);
-    let side = |from: usize, to: usize| {
+    let side = |[from, to]: [usize; 2]| {
         // Loops are not sides.
         if is_one([from, to]) {
-            return None;
+            return (None, false);
         }
         let all = shortest(&sources[from], &targets[to]);
-        all.found.into_iter().next()
+        (all.found.first().copied(), all.has_tie())
     };
-    let (ab, ac, bc) = (side(0, 1), side(0, 2), side(1, 2));
+    let [(ab, tie_ab), (ac, tie_ac), (bc, tie_bc)] = [[0, 1], [0, 2], [1, 2]].map(side);
     let leaving = |side: &Option<Connection>| side.map(|side| side.angle);
     let arriving = |at: usize, side: &Option<Connection>| {
         side.and_then(|side| sources[at].angle_of(side.to, -side.arrival))
@@ -185,6 +196,7 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
     };
     Ok(Triangle {
         sides: [bc, ac, ab],
+        ties: [tie_bc, tie_ac, tie_ab],
         angles,
         region,
     })

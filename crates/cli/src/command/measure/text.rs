@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use geodesic::measure::{Circle, Connection, Connections, PlaceMeasures, Triangle};
+use geodesic::measure::{Circle, Connection, Connections, FAMILY_REMARK, PlaceMeasures, Triangle};
 
 use super::pair_text;
 use crate::number::{count, is_vague, rounded, show_all, show_estimated, show_measured};
@@ -118,10 +118,9 @@ pub(super) fn between(
         show_measured(found.within)
     );
     for it in &found.found {
-        let family = if it.conjugate {
-            ", one of a family: the ends are conjugate"
-        } else {
-            ""
+        let family = match it.conjugate {
+            true => format!(", {FAMILY_REMARK}"),
+            false => String::new(),
         };
         let start = other_start(it);
         let start = start.map_or_else(String::new, |at| format!(" from {}", show_pair(at)));
@@ -141,8 +140,10 @@ pub(super) fn triangle(found: &Triangle) -> String {
         let degrees = angle.map_or_else(String::new, |angle| {
             format!(" ({:.6}°)", angle.to_degrees())
         });
+        let remark = found.remark(k);
+        let remark = remark.map_or_else(String::new, |remark| format!(", {remark}"));
         text.push_str(&format!(
-            "  corner {}      angle {}{degrees}, opposite side {}\n",
+            "  corner {}      angle {}{degrees}, opposite side {}{remark}\n",
             k + 1,
             number(angle),
             number(side.map(|side| side.length)),
