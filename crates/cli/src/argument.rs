@@ -167,7 +167,9 @@ pub(crate) fn pair(text: &str) -> Result<Pair, String> {
     let values = list(text)?;
     let given = values.len();
     let pair = values.try_into().map(Pair);
-    pair.map_err(|_| format!("expected two numbers, such as 0.5,-pi/2, found {given}"))
+    pair.map_err(|_| {
+        format!("expected two numbers (parameters of a surface), such as 0.5,-pi/2, found {given}")
+    })
 }
 
 /// Parses `U,V` or `X,Y,Z`.

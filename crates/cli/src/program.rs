@@ -373,7 +373,10 @@ impl LoadedProgram {
                     kinds.push(object.shape.kind());
                 }
             }
+            let has_solids = scene.objects.iter().any(|it| it.shape.solid().is_some());
             let hint = match &names[..] {
+                // Those that look for solids too find one.
+                [] if has_solids => "figures and measurements require a surface with parameters; `geotrace trace` and `--view geodesic` work on solids".into(),
                 [] => "a surface is declared like this: surface s(u, v) = (u, v, u v), u : [-1, 1], v : [-1, 1];".into(),
                 [only] => format!("its {} is {only}", kinds.concat()),
                 several => {

@@ -21,7 +21,8 @@ use crate::registry::Context;
 
 /// Measure a surface or a metric: curvature at a point, a circle, geodesics between two points, a triangle.
 ///
-/// All measurements are intrinsic: distances along geodesics, angles in tangent planes, areas of the surface.
+/// All measurements are intrinsic: distances along geodesics, angles in tangent planes, areas of the surface. Solids have no
+/// parameters and cannot be measured; `geotrace trace` follows geodesics on them.
 #[derive(Args, Debug)]
 #[command(
     group = ArgGroup::new("what").required(true).args(["at", "between", "triangle"]),
@@ -395,7 +396,6 @@ fn note(found: &Connections, distance: Option<f64>) -> Option<String> {
     })
 }
 
-pub(super) fn stopped(stop: &RayStop) -> String {
 /// The sides of a triangle that could be others, with other results, and why it has no region.
 fn triangle_note(found: &Triangle) -> Option<String> {
     let remark = |k| Some(format!("side {} is {}", k + 1, found.remark(k)?));
@@ -404,6 +404,7 @@ fn triangle_note(found: &Triangle) -> Option<String> {
     (!clauses.is_empty()).then(|| clauses.join("; "))
 }
 
+pub(super) fn stopped(stop: &RayStop) -> String {
     stop.clause(&show_measured(stop.length))
 }
 
