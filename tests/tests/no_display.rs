@@ -51,6 +51,21 @@ fn show_makes_both_pictures_instead() {
 }
 
 #[test]
+fn show_makes_no_empty_picture_of_a_metric() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = without_display(&["show"])
+        .argument(examples::one("flat").path)
+        .folder(folder.path())
+        .run();
+    run.expect_status(0);
+    let files = std::fs::read_dir(folder.path()).expect("the folder");
+    let names: Vec<_> = files
+        .map(|file| file.expect("a file").file_name())
+        .collect();
+    assert_eq!(names, ["flat-inside.png"], "{}", run.stderr);
+}
+
+#[test]
 fn show_replaces_no_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1], image : earth;";

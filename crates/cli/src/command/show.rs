@@ -15,7 +15,8 @@ use crate::registry::Context;
 /// Show a program in the live window, or, without a display, as pictures.
 ///
 /// Without a display it prints a note and writes pictures to the current folder, over no other file: the 3D view
-/// (of a CRT script the traced view) and, if there is a surface or a metric, the geodesic view of the first one.
+/// (of a CRT script the traced view), unless there are only metrics, and, if there is a surface or a metric, the geodesic
+/// view of the first one.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
@@ -31,9 +32,13 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         }
     }
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    draw(arguments, context, &[], "")?;
-    // A program without a surface has no geodesic view.
-    if program.surface(None).is_ok() {
+    let has_inside = program.surface(None).is_ok();
+    // A program of metrics alone is seen only from inside, one without a surface or a metric only in space.
+    let scene = program.scene();
+    if !has_inside || scene.objects.iter().any(|it| scene.is_in_space(it)) {
+        draw(arguments, context, &[], "")?;
+    }
+    if has_inside {
         draw(arguments, context, &["--view", "geodesic"], "-inside")?;
     }
     Ok(())
