@@ -233,7 +233,10 @@ And with a surface s:
 
 FILE may be `-` for standard input, except for the window: `geotrace FILE`, `show`, `preview`.
 `geotrace help COMMAND` explains the options.
-Exit status: 0 success, 1 errors in the program or the input, 2 wrong usage or an unreadable file.",
+Exit status:
+  0  success
+  1  errors in the program or the input, or a result that cannot be made, such as a video without ffmpeg
+  2  wrong usage, or a file that cannot be read or written",
     );
     text
 }

@@ -6,7 +6,8 @@
 //!                 └──▶ output.rs (standard output; whole files by `export`) ──▶ exit status
 //! ```
 //!
-//! Exit status: 0 success, 1 errors in the program or the input, 2 wrong usage or an unreadable file.
+//! Exit status: 0 success, 1 errors in the program or the input or a result that cannot be made, 2 wrong usage or a file
+//! that cannot be read or written.
 
 mod argument;
 mod command;
