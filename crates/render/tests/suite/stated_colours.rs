@@ -262,7 +262,7 @@ fn clamped_and_undefined_colours_are_noted_in_space_and_from_inside() {
         (surface, "(u^2, 0, k/2)", vec![]),
         (solid, "(k, 0, 0)", vec![clamped]),
     ] {
-        let scene = scenes::scene(&format!("param k = 2 : [0, 3]; {object} {colour};"));
+        let scene = crate::scenes::scene(&format!("param k = 2 : [0, 3]; {object} {colour};"));
         let params = Arc::new(ParamValues::initial(&scene));
         let s = ObjectId::new(0);
         let mut views = vec![SpaceOptions::seen_from([0.0, 0.0, 4.0], [0.0; 3]).into()];

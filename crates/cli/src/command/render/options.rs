@@ -18,7 +18,7 @@ pub(super) struct GeodesicViewArguments {
     /// geodesics go far, usually where the ray along x from the middle of its box leaves it]
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) at: Option<PlaceArgument>,
-    /// The angle from the direction of increasing u to the picture's right, towards increasing v
+    /// The angle from the direction of increasing u to the picture's right, towards increasing v [default: 0]
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, hide_short_help = true)]
     pub(super) angle: Option<f64>,
     /// Show the surface from its other side: the picture is mirrored
@@ -27,7 +27,8 @@ pub(super) struct GeodesicViewArguments {
     /// A setting of the view: `centre=off` leaves out the ring at the picture's centre
     #[arg(long, value_name = "NAME=on|off", value_parser = argument::setting, hide_short_help = true)]
     pub(super) setting: Vec<(String, bool)>,
-    /// The distance on the surface from the picture's centre to its nearest edge
+    /// The distance on the surface from the picture's centre to its nearest edge [default: 0.55 of the
+    /// length of the shorter coordinate line through the camera, on a solid 0.86 of its longest side]
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true)]
     pub(super) zoom: Option<Quantity>,
     /// The method of geodesic tracing
