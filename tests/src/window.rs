@@ -10,7 +10,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
 /// The version of the messages.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Nothing takes longer, whatever else the machine does.
 const PATIENCE: Duration = Duration::from_secs(60);
 

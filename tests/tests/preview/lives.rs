@@ -122,7 +122,7 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
     window.greet_as(99).await;
     let received = message(&mut editor, "version").await;
     assert!(
-        received.contains("version 99") && received.contains("version 2"),
+        received.contains("version 99") && received.contains("version 3"),
         "{received}"
     );
     window.ended().await;

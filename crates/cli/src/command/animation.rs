@@ -310,8 +310,9 @@ impl Animation {
     }
 
     /// Draws all pictures, one after the other, and writes them, over none of the `inputs`; then prints their notes, and what
-    /// `describe` returns for the first picture and the file's name. Once an end has been asked for, which a command hears only if it keeps what is
-    /// done, the picture that is being drawn is not waited for: the program ends when those before it are written.
+    /// `describe` returns for the first picture and the file's name. Once an end has been asked for, which a command hears only
+    /// if it keeps what is done, the picture that is being drawn is not waited for: the program ends when those before it are
+    /// written.
     ///
     /// # Errors
     /// Those of drawing and writing; no file is left then.
