@@ -555,12 +555,25 @@ fn a_line_on_which_a_parameter_stands_still_is_named() {
     let program =
         "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [0, 2pi], v : [-pi, pi];
         metric m(u, v) = (cos^2 v, 0, 1), u : [0, 2pi], v : [-pi, pi];";
-    for name in ["s", "m"] {
+    for (name, vanishing) in [("s", "σu"), ("m", "E")] {
         let arguments =
             format!("trace - --surface {name} --from 1,0.7 --direction 1e-6,1 --length 2");
         let run = geotrace(arguments.split(' ')).input(program).run();
-        run.expect_status(0)
-            .expect_text("σu is 0 on the line v ≈ 1.5707963");
+        let expected = format!("{vanishing} is 0 on the line v ≈ 1.5707963");
+        run.expect_status(0).expect_text(&expected);
+    }
+}
+
+#[test]
+fn the_end_of_what_is_no_metric_is_named() {
+    for (metric, reason) in [
+        ("1, 0, u", "G is 0 on the line u ≈ 0;"),
+        ("1, 2 - 3u, 1", "the metric is not positive definite there"),
+    ] {
+        let program = format!("metric m(u, v) = ({metric}), u : [-1, 1], v : [0, 1];");
+        let arguments = "trace - --from 0.6,0.5 --direction -1,0 --length 1.5";
+        let run = geotrace(arguments.split(' ')).input(program).run();
+        run.expect_status(0).expect_text(reason);
     }
 }
 
