@@ -17,9 +17,10 @@ mod places_in_space;
 mod poles;
 mod random;
 mod random_forms;
-mod shapes;
 mod stiff;
 #[allow(dead_code, unreachable_pub)]
 #[path = "../../../../tests/src/stiff/mod.rs"]
 mod stiff_list;
 mod uneven_seams;
+
+use stiff_list::shapes;
