@@ -282,14 +282,13 @@ pub(crate) fn trace_from(
         }
         TraceMethod::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
-            let fine = IntegrationPlan {
+            let plan = IntegrationPlan {
                 tableau: &RK4,
                 step,
                 // The run with half the steps costs half as much.
                 limit: options.max_evaluations / 3 * 2,
                 ..common
             };
-            let plan = fine;
             let mut fine = integrate::integrate_observed(atlas, start, length, plan, noting);
             // A single step is compared with two halves of it.
             let is_single = fine.steps < 2;

@@ -94,20 +94,16 @@ impl Branch {
     /// Returns the interval of the coordinate `k` between the slopes at both ends of a curve, which may lead to poles: from where
     /// it turns first to where it turns last.
     fn between_slopes(&self, k: usize) -> Option<[f64; 2]> {
-        let value = |place: &[f64; 3]| place[k];
-        let is_turn = |three: &&[[f64; 3]]| {
-            let [a, b, c] = [0, 1, 2].map(|n| value(&three[n]));
-            (b - a) * (c - b) < 0.0
+        let turn = |three: &[[f64; 3]]| {
+            let [a, b, c] = [0, 1, 2].map(|n: usize| three[n][k]);
+            ((b - a) * (c - b) < 0.0).then_some(b)
         };
-        let turns = || self.places.windows(3).filter(is_turn);
-        if !self.is_curve || turns().count() > MOST_TURNS {
+        let turns: Vec<f64> = self.places.windows(3).filter_map(turn).collect();
+        if !self.is_curve || turns.is_empty() || turns.len() > MOST_TURNS {
             return None;
         }
-        let at_turns = turns().map(|three| value(&three[1]));
-        at_turns.fold(None, |all, x| {
-            let [low, high] = all.unwrap_or([x; 2]);
-            Some([x.min(low), x.max(high)])
-        })
+        let around = |[low, high]: [f64; 2], x: f64| [low.min(x), high.max(x)];
+        Some(turns.into_iter().fold(NOTHING, around))
     }
 }
 

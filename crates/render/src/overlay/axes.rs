@@ -220,7 +220,8 @@ impl AxesBox {
         ends.chain(numbers.chain(names).flat_map(corners)).collect()
     }
 
-    /// The names and the numbers in this height, where the camera sees them. A name is moved into the picture where its edge is in it.
+    /// The names and the numbers in this height, where the camera sees them. A name is moved into the picture where its edge is
+    /// in it.
     pub(crate) fn labels(&self, camera: &Camera, height: f32) -> Vec<TextLabel> {
         let lettering = Lettering { camera, height };
         let pixel = |place: DVec3| camera.pixel_of(DrawingPoint(place.to_array()));
