@@ -143,6 +143,22 @@ impl<'s> Fan<'s> {
         self.sectors.estimate
     }
 
+    /// Returns the place in space at which the geodesic of a point of the picture ends; `None` where it ends earlier, or where
+    /// the surface is not defined.
+    pub fn position(&self, place: PicturePoint) -> Option<[f64; 3]> {
+        let end = self.end(place);
+        if end.status != Status::Complete {
+            return None;
+        }
+        let mut at = match self.layout.apex_chart(end.coordinates) {
+            Some(chart) => chart.plain_point(end.at),
+            None => end.at,
+        };
+        self.layout.bring_back(&mut at);
+        let position = self.surface.jet(at.into()).position;
+        position.iter().all(|x| x.is_finite()).then_some(position)
+    }
+
     /// Returns the end at a point that is at this angle and distance in the picture.
     #[inline(always)]
     fn end_at(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {

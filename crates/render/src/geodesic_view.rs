@@ -6,6 +6,7 @@ mod ends;
 mod resolve;
 mod solid;
 
+pub(crate) use camera::Positions;
 pub use camera::{MOVING_TOLERANCE, PlacedCamera, TOLERANCE};
 pub use ends::RayEnds;
 pub(crate) use ends::{EndsOfRows, Layer};

@@ -26,7 +26,7 @@ use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 use crate::ui::{key_names, number_field};
 
-/// The time for which the pointer rests before the status line shows the point under it, in seconds.
+/// The time for which the pointer and the picture under it rest before the status line shows the point there, in seconds.
 const POINTER_RESTS: f64 = 0.15;
 /// The width of the window's content, and of its column of names, in points.
 const WIDTH: f32 = 300.0;
@@ -212,7 +212,8 @@ fn ask(window: &mut Window, subject: Subject, question: MeasureQuestion) {
 }
 
 /// Asks for the point under the pointer if it has moved over a picture, or the picture under it has changed: at once
-/// while the window is open, otherwise when the pointer rests.
+/// while the window is open, otherwise when both rest, because the search for the shortest geodesic to that point would
+/// take a processor from the next picture.
 pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, response: &Response) {
     if ui.input(|input| input.pointer.any_down()) {
         return;
@@ -220,11 +221,21 @@ pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, respon
     let Some(at) = response.hover_pos() else {
         return;
     };
-    let Some(request) = window.pictures.sent(pane).filter(|request| !request.moving) else {
+    let Some(request) = window.pictures.sent(pane) else {
         return;
     };
+    let is_open = window.dialogs.measuring.is_open();
+    if request.moving {
+        if !is_open {
+            // What was there is no longer under the pointer.
+            let pointer = &mut window.dialogs.measuring.pointer;
+            pointer.words.clear();
+            pointer.asked = None;
+        }
+        return;
+    }
     let now = pixel(request, response.rect, at);
-    let snapping = match window.dialogs.measuring.is_open() {
+    let snapping = match is_open {
         true => snapping(ui),
         false => Snapping::Off,
     };
@@ -234,8 +245,10 @@ pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, respon
     }) {
         return;
     }
-    if !window.dialogs.measuring.is_open() {
-        let rested = f64::from(ui.input(|input| input.pointer.time_since_last_movement()));
+    if !is_open {
+        let (pointer, time) =
+            ui.input(|input| (input.pointer.time_since_last_movement(), input.time));
+        let rested = f64::from(pointer).min(time - window.pictures.changed_at(pane));
         if rested < POINTER_RESTS {
             let left = Duration::from_secs_f64(POINTER_RESTS - rested);
             ui.ctx().request_repaint_after(left);
@@ -357,10 +370,10 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
 
 /// Shows the window, and asks again if the figure, its surface or the walk has changed.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
-    ask_pointer(window);
     if !window.dialogs.measuring.is_open() {
         return;
     }
+    ask_pointer(window);
     ask_figure(window);
     ask_walk(window);
     let mut open = true;

@@ -62,6 +62,9 @@ pub struct PlacedCamera {
     size: [u32; 2],
 }
 
+/// An exponential map: from a place (x, y) of a picture to the place in space at which its geodesic ends.
+pub(crate) type Positions<'a> = &'a (dyn Fn([f64; 2]) -> Option<[f64; 3]> + Sync);
+
 /// Returns the position (x, y) in the plane of a frame of a pixel of a picture of this size: the shorter side ranges from −1
 /// to 1.
 pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64; 2] {
@@ -231,6 +234,23 @@ impl PlacedCamera {
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let interpolation = self.method.interpolation()?;
         Some(self.with_fan(interpolation, |_, ends| errors(ends, self.size, step)))
+    }
+
+    /// Passes the exponential map to `read`, as a function from a place (x, y) of the picture to the place in space at which its
+    /// geodesic ends, `None` if it ends earlier. The map is a fan with a tolerance in pixels.
+    pub(crate) fn with_positions<R>(
+        &self,
+        tolerance: f64,
+        read: impl FnOnce(Positions<'_>) -> R,
+    ) -> R {
+        let options = FanOptions {
+            follows_each: true,
+            ..fan_options(tolerance, Interpolation::default(), self.size)
+        };
+        let surface = self.manifold.surface();
+        map::with_fan(surface, &self.frame, self.size, &options, |fan, _| {
+            read(&|place| fan.position(place.into()))
+        })
     }
 
     fn with_fan<R>(
@@ -412,6 +432,65 @@ mod tests {
             ..GeodesicCamera::new(ObjectId::new(0))
         };
         PlacedCamera::new(&scene, &params, &camera, [64; 2]).expect("a camera")
+    }
+
+    #[test]
+    fn positions_are_where_geodesics_end() {
+        // Past a pole, through a side that is turned over, past the tip of a cone, up to an edge; a deep zoom.
+        for (source, at, zoom) in [
+            (
+                "surface s(u,v) = (cos u cos v, sin u cos v, sin v), u : [0, 2pi], v : [-pi/2, pi/2];",
+                [1.0, 0.2],
+                1.7,
+            ),
+            (
+                "surface s(u,v) = ((1 + v cos(u/2)) cos u, (1 + v cos(u/2)) sin u, v sin(u/2)), \
+                 u : [0, 2pi], v : [-1/2, 1/2];",
+                [6.1, 0.1],
+                0.5,
+            ),
+            (
+                "surface s(u,v) = (v cos u, v sin u, v), u : [0, 2pi], v : [0, 2];",
+                [1.0, 0.4],
+                1.0,
+            ),
+            (
+                "surface s(u,v) = (u, v, 0.4 sin(3u) cos v), u : [0, 4], v : [0, 2];",
+                [1.5, 0.75],
+                1e-13,
+            ),
+        ] {
+            const TOLERANCE: f64 = 0.02;
+            let camera = placed(source, at, zoom);
+            let surface = camera.manifold().surface();
+            let (mut ended, mut most) = (0, 0.0_f64);
+            camera.with_positions(TOLERANCE, |position| {
+                for k in 0..50 {
+                    let angle = f64::from(k) * std::f64::consts::TAU / 50.0;
+                    let reach = 0.3 + 0.02 * f64::from(k);
+                    let place = [reach * angle.cos(), reach * angle.sin()];
+                    let options = geodesic::trace::Options::default();
+                    let trace = camera.frame.trace(surface, place, zoom * reach, &options);
+                    let trace = trace.expect("a geodesic");
+                    let expected = trace.position.filter(|_| trace.status == Status::Complete);
+                    match (position(place), expected) {
+                        (Some(found), Some(expected)) => {
+                            let off = DVec3::from(found).distance(DVec3::from(expected));
+                            most = most.max(off / (2.0 * zoom / 64.0));
+                        }
+                        (None, None) => ended += 1,
+                        both => panic!("{both:?} at {place:?} of {source}"),
+                    }
+                }
+            });
+            // In space a deep zoom has the digits of numbers about 1.
+            let rounding = 4.0 * f64::EPSILON / (2.0 * zoom / 64.0);
+            assert!(
+                most <= 2.0 * TOLERANCE + rounding,
+                "{most} pixels, {source}"
+            );
+            assert!(ended < 40, "{ended} of 50 end, {source}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geodesic::ends::Ends;
 use geodesic::fan::Interpolation;
 use geodesic::implicit::{SpaceFan, SpaceFrame};
 use geodesic::map::{MapOptions, pixel_place};
@@ -13,7 +14,7 @@ use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::camera::{
-    MOVING_TOLERANCE, PIECEWISE_SHARE, TOLERANCE, errors, fan_options, picture_place,
+    MOVING_TOLERANCE, PIECEWISE_SHARE, Positions, TOLERANCE, errors, fan_options, picture_place,
 };
 use super::{PictureMethod, as_written};
 use crate::error::RenderError;
@@ -158,6 +159,21 @@ impl PlacedSolidCamera {
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let fan = self.fan(self.method.interpolation()?)?;
         Some(errors(&fan, self.size, step))
+    }
+
+    /// Passes the exponential map to `read`, as [`PlacedCamera::with_positions`](super::PlacedCamera::with_positions) does.
+    pub(crate) fn with_positions<R>(
+        &self,
+        tolerance: f64,
+        read: impl FnOnce(Positions<'_>) -> R,
+    ) -> R {
+        let options = fan_options(tolerance, Interpolation::default(), self.size);
+        let surface = self.solid.surface();
+        let fan = SpaceFan::build(surface, &self.frame, self.size, &options);
+        read(&|place| {
+            let end = fan.as_ref()?.end(place.into());
+            (end.status == Status::Complete).then_some(end.at)
+        })
     }
 
     fn fan(&self, interpolation: Interpolation) -> Option<SpaceFan<'_>> {

@@ -12,7 +12,7 @@ use super::ink::Inks;
 use super::legend::Legend;
 use crate::camera::Camera;
 use crate::error::RenderError;
-use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera};
+use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera, Positions};
 use crate::placement::Placement;
 use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
@@ -71,8 +71,6 @@ const FRAME: LineStyle = under(0.0);
 
 /// Points of a line of the picture.
 const POINTS: u32 = 64;
-/// The pieces of each side of its border while something moves: each of their ends is a geodesic of its own.
-const MOVING_POINTS: u32 = 16;
 /// Directions in which wavefronts and conjugate points are looked for.
 const DIRECTIONS: u32 = 180;
 /// The most wavefronts.
@@ -163,14 +161,8 @@ pub(super) fn key(
     Ok(())
 }
 
-/// The options of geodesics of which only the ends are drawn: exact to a thousandth of a pixel, in fewer steps than by
-/// default.
-fn drawn() -> Options {
-    Options {
-        tolerance: 1e-6,
-        ..Options::default()
-    }
-}
+/// The error allowed at the places of curves, in pixels of the camera's picture.
+const TOLERANCE: f64 = 0.02;
 
 /// Returns the objects that show a geodesic camera: its frame as arrows, geodesics of its picture as curves.
 ///
@@ -185,51 +177,56 @@ pub(crate) fn camera_objects(
         return solid_camera_objects(request, camera, placement);
     }
     let placed = place(request, camera)?;
-    let (surface, frame) = (placed.manifold().surface(), &placed.frame);
-    if !surface.is_embedded() {
+    if !placed.manifold().surface().is_embedded() {
         return Ok(Vec::new());
     }
-    let zoom = placed.zoom;
-    let at = |place: [f64; 2]| -> Option<[f64; 3]> {
-        let length = zoom * place[0].hypot(place[1]);
-        let trace = frame.trace(surface, place, length, &drawn());
-        let trace = trace.ok().filter(|t| t.status == Status::Complete)?;
-        trace.position
+    Ok(placed.with_positions(TOLERANCE, |at| {
+        chart_camera_objects(request, placement, &placed, at)
+    }))
+}
+
+/// Returns the objects that show the camera of a surface with parameters, whose exponential map is `at`.
+fn chart_camera_objects(
+    request: &PictureRequest,
+    placement: &Placement,
+    placed: &PlacedCamera,
+    at: Positions<'_>,
+) -> Vec<OverlayObject> {
+    let (surface, frame, zoom) = (placed.manifold().surface(), &placed.frame, placed.zoom);
+    let origin = surface.jet(frame.uv).position;
+    let direction_of = |place: [f64; 2]| -> Option<[f64; 3]> {
+        let end = frame.trace(surface, place, NUDGE * zoom, &Options::default());
+        let end = end.ok().filter(|it| it.status == Status::Complete)?;
+        let end = end.position?;
+        Some([0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom)))
     };
-    let axis = |place: [f64; 2]| -> Vec<Option<Knot>> {
-        let length = zoom * place[0].hypot(place[1]);
+    let camera_frame = CameraFrame {
+        origin,
+        zoom,
+        directions: [[1.0, 0.0], [0.0, 1.0]].map(direction_of),
+    };
+    let axis = |end: [f64; 2]| -> Vec<Option<Knot>> {
+        let length = zoom * end[0].hypot(end[1]);
         let lengths: Vec<f64> = (0..=POINTS)
             .map(|k| length * f64::from(k) / f64::from(POINTS))
             .collect();
-        let start = GeodesicStart::Frame(frame, place);
+        let start = GeodesicStart::Frame(frame, end);
         knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS).knots
     };
-    let origin = surface.jet(frame.uv).position;
-    let mut all = frame_objects(request, placement, (origin, zoom), &at, &axis);
+    let mut all = frame_objects(request, placement, &camera_frame, at, &axis);
     let inks = Inks::of(request.theme);
     let [right, up] = half_extent(request.size);
     if let Some(spacing) = request.overlays.wavefronts {
-        let spacing = spacing.distance(zoom);
-        let waves = wave_count(request, zoom, spacing);
-        if waves > 0 {
-            let lengths: Vec<f64> = (1..=waves).map(|k| spacing * f64::from(k)).collect();
-            let rays: Vec<_> = (0..=DIRECTIONS)
-                .into_par_iter()
-                .map(|k| {
-                    let start = GeodesicStart::Frame(frame, direction(k));
-                    let mut line = knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS);
-                    // A ray that ends at the edge of the surface does not reach the next wavefront there.
-                    if line.ends_early
-                        && let Some(end) = line.knots.iter_mut().rfind(|knot| knot.is_some())
-                    {
-                        *end = None;
-                    }
-                    line.knots
-                })
-                .collect();
-            let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
-                .map(|ring| rays.iter().map(|ray| ray[ring]).collect())
-                .collect();
+        let spacing = spacing.distance(zoom) / zoom;
+        let rings: Vec<Vec<Option<Knot>>> = (1..=wave_count(request, spacing))
+            .map(|ring| {
+                let radius = spacing * f64::from(ring);
+                (0..=DIRECTIONS)
+                    .map(|k| at(direction(k).map(|x| radius * x)).map(knot))
+                    .collect()
+            })
+            .collect();
+        if !rings.is_empty() {
             all.push(curves(placement, &rings, inks.wave, WAVES));
         }
     }
@@ -250,13 +247,13 @@ pub(crate) fn camera_objects(
             .collect();
         all.push(curves(placement, &[first], inks.conjugate, CONJUGATES));
     }
-    Ok(all)
+    all
 }
 
-/// Returns the number of wavefronts at a spacing in the picture of a camera with a zoom.
-fn wave_count(request: &PictureRequest, zoom: f64, spacing: f64) -> u32 {
+/// Returns the number of wavefronts in the picture at a spacing in the units of its plane.
+fn wave_count(request: &PictureRequest, spacing: f64) -> u32 {
     let [right, up] = half_extent(request.size);
-    (right.min(up) * zoom / spacing).floor().min(MOST_WAVES) as u32
+    (right.min(up) / spacing).floor().min(MOST_WAVES) as u32
 }
 
 /// Returns the objects that show the camera of a solid.
@@ -268,50 +265,52 @@ fn solid_camera_objects(
     camera.check(&request.scene)?;
     let (scene, params) = (&request.scene, &request.params);
     let placed = PlacedSolidCamera::new(scene, params, camera, request.size)?;
-    let (surface, frame) = (placed.solid().surface(), &placed.frame);
+    let frame = &placed.frame;
     let zoom = frame.zoom();
-    let at = |place: [f64; 2]| -> Option<[f64; 3]> {
-        let length = zoom * place[0].hypot(place[1]);
-        let trace = surface.trace(frame.at, frame.velocity(place), length, &drawn());
-        let trace = trace.ok().filter(|t| t.status == Status::Complete)?;
-        Some(trace.position)
+    let camera_frame = CameraFrame {
+        origin: frame.at,
+        zoom,
+        directions: [frame.x, frame.y].map(|side| Some(side.map(|x| x / zoom))),
     };
-    let axis = |place: [f64; 2]| -> Vec<Option<Knot>> {
-        let shares = (1..=POINTS).map(|k| f64::from(k) / f64::from(POINTS));
-        let others = shares.map(|share| at(place.map(|x| share * x)).map(knot));
-        std::iter::once(Some(knot(frame.at)))
-            .chain(others)
-            .collect()
-    };
-    Ok(frame_objects(
-        request,
-        placement,
-        (frame.at, zoom),
-        &at,
-        &axis,
-    ))
+    Ok(placed.with_positions(TOLERANCE, |at| {
+        let axis = |end: [f64; 2]| -> Vec<Option<Knot>> {
+            let shares = (0..=POINTS).map(|k| f64::from(k) / f64::from(POINTS));
+            shares
+                .map(|share| at(end.map(|x| share * x)).map(knot))
+                .collect()
+        };
+        frame_objects(request, placement, &camera_frame, at, &axis)
+    }))
 }
 
-/// Returns the arrows of a frame, the axes and the border of its picture. `at` returns the place in space of a place of the
-/// picture, and `axis` the knots from the origin to one.
+/// A camera's frame in space.
+struct CameraFrame {
+    origin: [f64; 3],
+    zoom: f64,
+    /// The unit vectors of X and Y, where they are defined.
+    directions: [Option<[f64; 3]>; 2],
+}
+
+/// Returns the arrows of a frame, the axes and the border of its picture. `at` is the exponential map, and `axis` returns the
+/// knots from the origin to a place of the picture.
 fn frame_objects(
     request: &PictureRequest,
     placement: &Placement,
-    (origin, zoom): ([f64; 3], f64),
-    at: &(dyn Fn([f64; 2]) -> Option<[f64; 3]> + Sync),
+    frame: &CameraFrame,
+    at: Positions<'_>,
     axis: &(dyn Fn([f64; 2]) -> Vec<Option<Knot>> + Sync),
 ) -> Vec<OverlayObject> {
     let mut all = Vec::new();
-    let length = zoom.min(LONGEST_ARROW * placement.radius);
+    let length = frame.zoom.min(LONGEST_ARROW * placement.radius);
     let inks = Inks::of(request.theme);
     let [to_right, to_top] = inks.axes;
-    for (place, colour) in [([NUDGE, 0.0], to_right), ([0.0, NUDGE], to_top)] {
-        let Some(end) = at(place) else { continue };
-        let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
+    for (direction, colour) in frame.directions.into_iter().zip(inks.axes) {
+        let Some(direction) = direction else { continue };
+        let arrow = vector(placement, frame.origin, direction.map(|x| x * length));
         all.push(OverlayObject {
             name: "camera",
             painter: Painter::Vectors,
-            samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
+            samples: Arc::new(Samples::Vectors(vec![arrow])),
             colour: style::linear(colour),
             line: FRAME,
             letter: None,
@@ -326,20 +325,13 @@ fn frame_objects(
     all.push(curves(placement, &axes[..2], to_right, CAMERA_AXES));
     all.push(curves(placement, &axes[2..], to_top, CAMERA_AXES));
     let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
-    let points = if request.moving {
-        MOVING_POINTS
-    } else {
-        POINTS
-    };
     let border: Vec<Vec<Option<Knot>>> = (0..4)
-        .into_par_iter()
         .map(|side| {
             let (from, to) = (corners[side], corners[(side + 1) % 4]);
-            (0..=points)
+            (0..=POINTS)
                 .map(|k| {
-                    let t = f64::from(k) / f64::from(points);
-                    let place = [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
-                    at(place).map(knot)
+                    let t = f64::from(k) / f64::from(POINTS);
+                    at([0, 1].map(|k| from[k] + t * (to[k] - from[k]))).map(knot)
                 })
                 .collect()
         })

@@ -179,16 +179,8 @@ pub(super) const KEYS: &[Key] = &[
 /// The state of the 3D view between pictures.
 #[derive(Debug, Default)]
 struct SpaceRenderer {
-    camera: Option<CameraObjects>,
-}
-
-/// The objects that display a geodesic camera.
-#[derive(Debug)]
-struct CameraObjects {
-    key: ShownCamera,
-    /// True if their lines have all their points.
-    is_whole: bool,
-    objects: Arc<[OverlayObject]>,
+    /// The objects that display a geodesic camera.
+    camera: Option<(ShownCamera, Arc<[OverlayObject]>)>,
 }
 
 /// The inputs of the display of a geodesic camera in space.
@@ -484,20 +476,14 @@ impl SpaceRenderer {
             size: request.size,
             placement: *placement,
         };
-        // During motion, fewer points suffice.
-        if let Some(known) = &self.camera
-            && known.key == key
-            && (known.is_whole || request.moving)
+        if let Some((known, objects)) = &self.camera
+            && *known == key
         {
-            return Ok(known.objects.clone());
+            return Ok(objects.clone());
         }
         let objects: Arc<[OverlayObject]> =
             overlay::camera_objects(request, camera, placement)?.into();
-        self.camera = Some(CameraObjects {
-            key,
-            is_whole: !request.moving,
-            objects: objects.clone(),
-        });
+        self.camera = Some((key, objects.clone()));
         Ok(objects)
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct PaneView {
     /// The request that was sent last.
     pub(super) request: Option<PictureRequest>,
     pub(super) waiting: Waiting,
+    /// The time of the interface at which a picture of something else was requested, in seconds.
+    pub(super) changed_at: f64,
     /// The picture that is on the screen.
     pub(crate) picture: Option<Picture>,
 }
@@ -62,9 +64,9 @@ pub(crate) struct Picture {
 }
 
 impl PaneView {
-    /// Notes a request that is sent now. A picture that differs from the previous one only by another view's camera
-    /// follows it; one that is only finer refines it.
-    pub(super) fn send(&mut self, request: &PictureRequest) {
+    /// Notes a request that is sent at a time of the interface, in seconds. A picture that differs from the previous one only
+    /// by another view's camera follows it; one that is only finer refines it.
+    pub(super) fn send(&mut self, request: &PictureRequest, now: f64) {
         let before = self.request.as_ref();
         let follows = before.is_some_and(|before| differ_by_shown_camera(before, request));
         let refines = !request.moving
@@ -75,6 +77,9 @@ impl PaneView {
             _ if refines => Waiting::Refining,
             _ => Waiting::ForFrame,
         };
+        if !refines {
+            self.changed_at = now;
+        }
         self.request = Some(request.clone());
     }
 
@@ -135,21 +140,23 @@ mod tests {
         let mut coarse = PictureRequest::new(&scene, params, coarse, [16; 2]);
         coarse.moving = true;
         let mut view = PaneView::default();
-        view.send(&coarse);
+        view.send(&coarse, 1.0);
         assert_eq!(view.waiting, Waiting::ForFrame);
         let mut whole = coarse.clone();
         (whole.moving, whole.size) = (false, [64; 2]);
-        view.send(&whole);
+        view.send(&whole, 2.0);
         assert_eq!(view.waiting, Waiting::Refining);
         let mut finer = whole.clone();
         finer.view.set_samples(2);
-        view.send(&finer);
+        view.send(&finer, 3.0);
         assert_eq!(view.waiting, Waiting::Refining);
+        assert_eq!(view.changed_at, 1.0);
         // What moves is awaited, as any other picture is.
         let mut other = ParamValues::initial(&scene);
         other.set(&scene, "r", &[2.0]).expect("in its interval");
         coarse.params = other.into();
-        view.send(&coarse);
+        view.send(&coarse, 4.0);
         assert_eq!(view.waiting, Waiting::ForFrame);
+        assert_eq!(view.changed_at, 4.0);
     }
 }

@@ -48,6 +48,11 @@ impl Pictures {
         self.of_views.get(pane)?.request.as_ref()
     }
 
+    /// Returns the time of the interface at which a picture of something else was requested for a pane, in seconds.
+    pub(crate) fn changed_at(&self, pane: &ViewId) -> f64 {
+        self.of_views.get(pane).map_or(0.0, |view| view.changed_at)
+    }
+
     /// Returns the picture that a pane shows.
     pub(crate) fn shown(&self, pane: &ViewId) -> Option<&Picture> {
         self.of_views.get(pane)?.picture.as_ref()
@@ -118,7 +123,8 @@ impl Window {
     /// Requests the pictures of the panes on the screen, unless they are pending. Pictures that follow the camera of
     /// another view come last.
     pub(super) fn request_pictures(&mut self, ui: &Ui) {
-        let moving = ui.input(|input| input.time) < self.display.clock.moving_until;
+        let now = ui.input(|input| input.time);
+        let moving = now < self.display.clock.moving_until;
         let seen = self
             .pictures
             .of_views
@@ -131,7 +137,7 @@ impl Window {
                 continue;
             };
             let view = self.pictures.of_views.entry(pane.clone()).or_default();
-            view.send(&picture);
+            view.send(&picture, now);
             let version = self.model.program.version;
             let request = VersionedRequest { picture, version };
             match view.waiting {
