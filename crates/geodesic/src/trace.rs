@@ -331,13 +331,13 @@ fn compared(
     used: usize,
 ) -> Option<f64> {
     let tolerance = plan.tolerance? / FINER;
-    if tolerance < TIGHTEST || end.status == Status::WorkLimit {
+    if tolerance < TIGHTEST {
         return None;
     }
     let left = plan.limit.saturating_sub(atlas.evaluations());
     // What the steps' estimates leave out: an error of the speed grows over the whole length.
     let unchecked = UNCHECKED * end.error + end.speed_drift.abs() * end.length;
-    if left < 2 * used {
+    if end.status == Status::WorkLimit || left < 2 * used {
         return Some(unchecked);
     }
     let whole = IntegrationPlan {

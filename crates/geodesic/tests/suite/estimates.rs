@@ -157,6 +157,35 @@ fn an_unchecked_estimate_counts_the_drift_of_a_long_geodesic() {
 }
 
 #[test]
+fn the_estimate_of_a_run_that_is_cut_off_is_a_bound() {
+    let sphere = sphere_in_units(1.0, 1.0, 0.0);
+    for (heading, max_evaluations) in [(70.0_f64, 20_000), (70.0, 1_000_000), (40.0, 100_000)] {
+        let (sin, cos) = heading.to_radians().sin_cos();
+        let options = Options {
+            max_evaluations,
+            compare: true,
+            ..Options::default()
+        };
+        let end = trace(&sphere, [0.0; 2], [cos, sin], 1e6, &options).expect("a start");
+        assert_eq!(end.status, Status::WorkLimit);
+        // The great circle.
+        let (far, near) = end.length.sin_cos();
+        let expected = [near, far * cos, far * sin];
+        let found = end.position.expect("a place in space");
+        let error = (0..3)
+            .map(|k| (found[k] - expected[k]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        let estimate = end.error_estimate;
+        assert!(
+            (error..100.0 * error).contains(&estimate),
+            "{error}, not {estimate}, of {}",
+            end.length
+        );
+    }
+}
+
+#[test]
 fn an_estimate_that_cannot_be_checked_is_a_bound() {
     let mut random = Random(7);
     let (mut worst, mut known) = (0.0_f64, 0);
