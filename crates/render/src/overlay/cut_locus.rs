@@ -5,7 +5,8 @@
 //! much farther away than its cell's or a neighbouring cell's entry says surely lies beyond, and with it those that are farther
 //! away at all, up to the cut locus. The line is their border.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use geodesic::map::bring_back;
 use geodesic::pixels::Map;
@@ -15,13 +16,18 @@ use geodesic::trace::Status;
 use glam::{DVec2, DVec3};
 use image::RgbaImage;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use super::lines::{place_of, reach};
 use super::measured::{duals, steps};
 use super::stroke;
 
-/// The most cells along an axis.
+/// The most cells along an axis of a solid's box.
 const MOST_CELLS: usize = 1024;
+/// The widths of the cells of a chart's tables, as powers of two of the median step of the ends from one pixel to the next. An
+/// end is looked up in cells as wide as the steps around it: in wider cells the kept pixel may be far away in the picture, and
+/// narrower ones may hold no pixel. Beyond the widest, the picture is too coarse for derivatives to tell ways apart.
+const LEVELS: RangeInclusive<i32> = -2..=2;
 /// A pixel surely lies beyond if another way is shorter by so many pixels.
 const THRESHOLD: f32 = 1.0;
 /// The distance in pixels up to which an entry gives the distances of places.
@@ -206,18 +212,91 @@ fn cell_count(size: [u32; 2]) -> usize {
     MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize)
 }
 
-/// The cells of a chart along an axis: no smaller than half of its pixels' steps, so that most hold the nearest of their pixels.
-fn chart_cells(map: &Map, axis: usize, [low, high]: [f64; 2]) -> usize {
-    let steps = map.by_pixel.iter().map(|by| by[0][axis].hypot(by[1][axis]));
+/// Returns the median of the ends' steps along an axis from one pixel to the next; `None` if there are no ends.
+fn median_step(map: &Map, axis: usize) -> Option<f64> {
+    let ends = map.by_pixel.iter().zip(&map.status);
+    let complete = ends.filter(|(_, status)| **status == Status::Complete);
+    let steps = complete.map(|(by, _)| by[0][axis].hypot(by[1][axis]));
     let mut steps: Vec<f32> = steps.filter(|step| step.is_finite()).collect();
-    if steps.is_empty() {
-        return 1;
-    }
     let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return None;
+    }
     let (_, median, _) = steps.select_nth_unstable_by(middle, f32::total_cmp);
-    let fitting = (high - low) / f64::from(*median).max(f64::MIN_POSITIVE);
-    // (Beyond the most, a conversion saturates.)
-    (fitting as usize).clamp(1, cell_count(map.size))
+    Some(f64::from(*median))
+}
+
+/// A table over a chart, whose cells keep the nearest of the pixels that end in them.
+struct ChartTable {
+    domain: [[f64; 2]; 2],
+    /// The number of cells along each axis, of which a picture may show a small part.
+    cells: [i64; 2],
+    wraps: [bool; 2],
+    nearest: FxHashMap<[i64; 2], u32>,
+}
+
+impl ChartTable {
+    /// Enters pixels into cells of these widths.
+    fn new(
+        entries: &[Option<PixelEnd<2>>],
+        (domain, sides): ([[f64; 2]; 2], Sides),
+        widths: [f64; 2],
+    ) -> Self {
+        let count = |k: usize| {
+            let [low, high] = domain[k];
+            // (A conversion saturates.)
+            let count = (high - low) / widths[k].max(f64::MIN_POSITIVE);
+            (count as i64).clamp(1, i64::from(u32::MAX))
+        };
+        let mut table = Self {
+            domain,
+            cells: [0, 1].map(count),
+            wraps: [0, 1].map(|k| sides.of(k)[0] == Side::Wrap),
+            nearest: FxHashMap::default(),
+        };
+        let ends = entries.iter();
+        table.nearest =
+            nearest_by_cell(ends.map(|it| it.map(|it| (table.cell(it.at), it.distance))));
+        table
+    }
+
+    fn cell(&self, uv: [f64; 2]) -> [i64; 2] {
+        [0, 1].map(|k| {
+            let [low, high] = self.domain[k];
+            let share = (uv[k] - low) / (high - low);
+            ((share * self.cells[k] as f64) as i64).min(self.cells[k] - 1)
+        })
+    }
+
+    /// Returns the pixels that are kept by the cell of a point and the eight cells around it.
+    fn around(&self, uv: [f64; 2]) -> impl Iterator<Item = u32> {
+        let cell = self.cell(uv);
+        let moved = move |k: usize, step: i64| match self.wraps[k] {
+            true => (cell[k] + step).rem_euclid(self.cells[k]),
+            false => cell[k] + step,
+        };
+        let around = (0..9).map(move |n| [moved(0, n % 3 - 1), moved(1, n / 3 - 1)]);
+        around.filter_map(|cell| self.nearest.get(&cell).copied())
+    }
+}
+
+/// Returns the pixel nearest to the picture's centre of each cell, from all pixels' cells and distances: only that one can be the
+/// shorter way for another one.
+fn nearest_by_cell<const N: usize>(
+    ends: impl Iterator<Item = Option<([i64; N], f64)>>,
+) -> FxHashMap<[i64; N], u32> {
+    let mut nearest: FxHashMap<[i64; N], (f64, u32)> = FxHashMap::default();
+    for (index, end) in (0..).zip(ends) {
+        let Some((cell, distance)) = end else {
+            continue;
+        };
+        let kept = nearest.entry(cell).or_insert((distance, index));
+        if distance < kept.0 {
+            *kept = (distance, index);
+        }
+    }
+    let without_distance = |(cell, (_, index))| (cell, index);
+    nearest.into_iter().map(without_distance).collect()
 }
 
 /// Returns for each pixel by how many pixels a shorter geodesic from the camera leads to its point of the surface, given by
@@ -246,55 +325,44 @@ pub(super) fn excess_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
     };
     let entries: Vec<Option<PixelEnd<2>>> =
         (0..map.status.len()).into_par_iter().map(entry).collect();
-    let cells = [0, 1].map(|k| chart_cells(map, k, domain[k]));
-    let cell = |uv: [f64; 2]| -> [usize; 2] {
-        [0, 1].map(|k| {
-            let [low, high] = domain[k];
-            let share = (uv[k] - low) / (high - low);
-            ((share * cells[k] as f64) as usize).min(cells[k] - 1)
-        })
+    let [Some(du), Some(dv)] = [0, 1].map(|axis| median_step(map, axis)) else {
+        return vec![0.0; map.status.len()];
     };
-    // Of a cell's pixels only the nearest can be the shorter way for another one.
-    let mut table: Vec<Option<u32>> = vec![None; cells[0] * cells[1]];
-    let at = |index: u32| entries[index as usize].as_ref();
-    for (index, entry) in entries.iter().enumerate() {
-        let Some(entry) = entry else { continue };
-        let [i, j] = cell(entry.at);
-        let kept = &mut table[j * cells[0] + i];
-        let nearer = kept
-            .and_then(at)
-            .is_none_or(|k| entry.distance < k.distance);
-        if nearer {
-            *kept = Some(index as u32);
-        }
+    let level = |index: usize| {
+        let [x, y] = map.by_pixel[index];
+        let step = |k: usize, median: f64| f64::from(x[k].hypot(y[k])) / median;
+        let step = step(0, du).max(step(1, dv)).log2().round();
+        (step as i32).clamp(*LEVELS.start(), *LEVELS.end())
+    };
+    let levels: Vec<i32> = (0..entries.len()).map(level).collect();
+    let mut tables: BTreeMap<i32, ChartTable> = BTreeMap::new();
+    for (level, _) in levels
+        .iter()
+        .zip(&entries)
+        .filter(|(_, entry)| entry.is_some())
+    {
+        tables.entry(*level).or_insert_with(|| {
+            let widths = [du, dv].map(|step| step * f64::from(*level).exp2());
+            ChartTable::new(&entries, (domain, sides), widths)
+        });
     }
     let wraps = [0, 1].map(|k| sides.of(k)[0] == Side::Wrap);
     let period = domain.map(|[low, high]| high - low);
-    let neighbour = |k: usize, i: usize, step: isize| -> Option<usize> {
-        let moved = i as isize + step;
-        if (0..cells[k] as isize).contains(&moved) {
-            Some(moved as usize)
-        } else {
-            wraps[k].then(|| moved.rem_euclid(cells[k] as isize) as usize)
-        }
-    };
     entries
         .par_iter()
-        .map(|entry| {
-            let Some(entry) = entry else { return 0.0 };
+        .zip(&levels)
+        .map(|(entry, level)| {
+            let (Some(entry), Some(table)) = (entry, tables.get(level)) else {
+                return 0.0;
+            };
             // Close to the camera there is one way to each point.
             if entry.distance < NEAR {
                 return 0.0;
             }
-            let [i, j] = cell(entry.at);
-            let around = (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj)));
-            let excesses = around.into_iter().map(|(di, dj)| {
-                let (Some(i), Some(j)) = (neighbour(0, i, di), neighbour(1, j, dj)) else {
-                    return 0.0;
-                };
-                let Some(kept) = table[j * cells[0] + i].and_then(at) else {
-                    return 0.0;
-                };
+            let kept = table
+                .around(entry.at)
+                .filter_map(|index| entries[index as usize].as_ref());
+            let excesses = kept.map(|kept| {
                 // The two ends share a cell, not a point: the step between them is taken the short way round.
                 let step: [f64; 2] = std::array::from_fn(|k| {
                     let d = entry.at[k] - kept.at[k];
@@ -337,15 +405,9 @@ pub(super) fn excess_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<f3
         let cells = (DVec3::from(at) - low) / side;
         cells.to_array().map(|x| x.floor() as i64)
     };
-    let mut table: HashMap<[i64; 3], u32> = HashMap::new();
-    for (index, entry) in (0..).zip(&entries) {
-        let Some((end, _)) = entry else { continue };
-        let kept = table.entry(cell(end.at)).or_insert(index);
-        let nearest = entries[*kept as usize].as_ref();
-        if nearest.is_none_or(|(nearest, _)| end.distance < nearest.distance) {
-            *kept = index;
-        }
-    }
+    let ends_of_pixels = entries.iter().map(|it| it.as_ref());
+    let table =
+        nearest_by_cell(ends_of_pixels.map(|it| it.map(|(end, _)| (cell(end.at), end.distance))));
     entries
         .par_iter()
         .map(|entry| {

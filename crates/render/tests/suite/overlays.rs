@@ -204,6 +204,25 @@ fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
 }
 
 #[test]
+fn a_cut_locus_is_exact_on_a_small_part_of_a_large_surface() {
+    let source = "surface s(u, v) = (cos(u)/4, sin(u)/4, v), u : [0, 2pi], v : [-50, 50];";
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    let picture = draw(source, [0.5, 0.0], 1.0, overlays);
+    let mut marked = 0;
+    for (x, _, pixel) in picture.image.enumerate_pixels() {
+        if pixel.0[1] < 60 {
+            let off = 64.0 * (((f64::from(x) + 0.5) / 64.0 - 1.0).abs() - PI / 4.0);
+            assert!(off.abs() < 2.5, "{off} pixels off");
+            marked += 1;
+        }
+    }
+    assert!(marked > 200, "{marked}");
+}
+
+#[test]
 fn a_surface_wears_its_geodesics() {
     let source = format!("{PLANE} geodesic g(t) : s = (1, 0) @ (0, 0.25), t : [-0.5, 0.5];");
     let picture = draw(&source, [0.0; 2], 1.0, Overlays::default());
