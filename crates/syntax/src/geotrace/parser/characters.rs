@@ -209,24 +209,33 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             }
             '|' if text.contains(|c: char| c.is_ascii_alphanumeric()) => {
                 let inside = text.trim_matches('|').trim();
-                let mut written = match inside.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
-                    true => format!("abs {inside}"),
-                    false => format!("abs({inside})"),
-                };
+                let is_word = inside.bytes().all(|byte| byte.is_ascii_alphanumeric());
                 let behind = self.source[span.end as usize..].trim_start();
                 let is_factor = |c: char| c.is_ascii_alphanumeric() || "(|^_²³.".contains(c);
-                if behind.starts_with(is_factor) {
-                    // Otherwise it might become part of the argument.
-                    written = format!("({written})");
-                }
-                let fix = Fix::change(span, &written, self.state.is_of_space);
+                let written = |by: &str, space: &str| {
+                    let written = match is_word {
+                        true => format!("{by}{space}{inside}"),
+                        false => format!("{by}({inside})"),
+                    };
+                    // Otherwise what follows might become part of the argument.
+                    match behind.starts_with(is_factor) {
+                        true => format!("({written})"),
+                        false => written,
+                    }
+                };
+                let magnitude = written("abs", " ");
+                let fix = Fix::change(span, &magnitude, self.state.is_of_space);
                 diagnostic = match self.state.is_of_space {
                     true => diagnostic
-                        .with_hint(format!("write {}", quote(&written)))
+                        .with_hint(format!("write {}", quote(&magnitude)))
                         .with_fix(fix.with_all()),
-                    // It may be the length of a vector.
                     false => diagnostic.with_fix(fix),
                 };
+                let may_be_vector = inside.contains(|c: char| c.is_ascii_alphabetic());
+                if !self.state.is_of_space && may_be_vector {
+                    let length = Fix::change(span, &written("sqrt*", ""), false);
+                    diagnostic = diagnostic.with_fix(length);
+                }
             }
             '⟨' => {
                 self.report(diagnostic);

@@ -253,6 +253,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let value = self.fact()?;
         let mut span = value;
         while self.current.kind == TokenKind::Underscore {
+            // `r_0`, where the declaration of `r_0` has been reported.
+            let is_reported = match self.previous.kind {
+                TokenKind::Constant(id) => self.parsed.symbol(id).faulty,
+                _ => false,
+            };
             self.advance(Mode::Expression);
             let index = match self.current.kind {
                 TokenKind::Number(_) => self.component_index(),
@@ -261,6 +266,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 _ => None,
             };
             let Some(index) = index else {
+                self.flagged |= is_reported;
                 return Err(self.not_a_component(value));
             };
             let is_first = span == value;

@@ -328,8 +328,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         if self.is_differential(word) && known.iter().any(|word| self.is_differential(word)) {
             return;
         }
-        self.state.undefined.push(word);
         let whole_span = self.lexer.word();
+        let differentials = quotient_of_differentials(self.source, whole_span);
+        if let Some(numerator) = differentials
+            && numerator != whole_span.text(self.source)
+            && known.contains(&numerator)
+        {
+            return;
+        }
+        self.state.undefined.push(word);
         let whole = whole_span.text(self.source);
         let mut message = format!("{} is not defined", quote(word));
         if whole.len() > word.len() {
@@ -344,6 +351,9 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)))
             .filter(|(_, foreign)| is_operand || foreign.is_of_sets);
         let mut own = self.undefined_hint(whole, word);
+        if own.is_none() && differentials.is_some() {
+            own = self.foreign_word("dx", false).map(|it| it.hint.to_owned());
+        }
         let form = self
             .field_form()
             .or_else(|| self.without_module(word == whole));
@@ -649,4 +659,22 @@ pub(super) fn meaning(parsed: &impl NameScope, id: SymbolId) -> TokenKind {
         SymbolKind::Constant => TokenKind::Constant(id),
         SymbolKind::Function => TokenKind::Function(id),
     }
+}
+
+/// Returns `df` where the word at a place is a part of `df/du`, a derivative in another notation.
+fn quotient_of_differentials(source: &str, place: Span) -> Option<&str> {
+    let is_differential = |word: &str| word.len() > 1 && word.starts_with('d');
+    let is_letter = |c: char| c.is_ascii_alphanumeric();
+    let word = place.text(source);
+    if !is_differential(word) {
+        return None;
+    }
+    let behind = source[place.end as usize..].strip_prefix('/');
+    if let Some(behind) = behind {
+        let end = behind.find(|c| !is_letter(c)).unwrap_or(behind.len());
+        return is_differential(&behind[..end]).then_some(word);
+    }
+    let before = source[..place.start as usize].strip_suffix('/')?;
+    let numerator = &before[before.trim_end_matches(is_letter).len()..];
+    is_differential(numerator).then_some(numerator)
 }
