@@ -40,7 +40,7 @@ Examples:
   geotrace cast die.gtr --from 0,0,5 --direction 0,0,-1 --solid ball --format json
   geotrace cast die.gtr --rays rays.txt --format json        a document for each line `x y z a b c`
 
-A number may be an expression in the program's names, such as pi/2.
+Positions and directions may be expressions in the program's names, such as pi/2.
 
 t is the distance from the start. Normals are unit vectors: they lead out of a solid, and from a
 surface back to the start."

@@ -37,7 +37,7 @@ Examples:
   geotrace trace torus.gtr --surface s --from -pi/2,0.3 --direction 1,-1 --length 5 --format json
   geotrace trace quartic.gtr --surface q --from 1,1,1 --direction 1,-1,0 --length 5
 
-A number may be an expression in the program's names, such as pi/2.
+Positions, directions and lengths may be expressions in the program's names, such as pi/2.
 
 The status is one of
   complete      it reached its full length

@@ -163,7 +163,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
         let function = self.func(id, function)?;
         if !self.starts_operand() {
-            return Err(self.missing_argument(function));
+            return Err(self.missing_argument(id, function));
         }
         if self.opens_bracket() && self.current.span.start == function.end {
             let bracket = self.current.span.start;
@@ -397,17 +397,27 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     #[cold]
-    fn missing_argument(&mut self, function: Span) -> Stop {
+    fn missing_argument(&mut self, id: SymbolId, function: Span) -> Stop {
         // As in `K(s)`, where `K` is undefined: that has been reported, and `s` would be correct after a word that takes
         // it.
         self.flagged |= self.state.silent
             && self.current.kind == TokenKind::ParenClose
             && self.is_argument_of_word(function.start);
-        let name = super::messages::quote(function.text(self.source));
+        let written = function.text(self.source);
+        let name = super::messages::quote(written);
         let message = format!("{name} needs an argument, found {}", self.found());
-        let diagnostic = self
+        let mut diagnostic = self
             .here(codes::MISSING_ARGUMENT, message)
             .with_related(function, "this is a function");
+        let symbol = self.parsed.symbol(id);
+        // A function whose own declaration failed may lack parameters.
+        self.flagged |= symbol.faulty;
+        if symbol.keyword.is_some() && !symbol.parameters.is_empty() {
+            let parameters: Vec<&str> = symbol.parameters.iter().map(|it| &*it.name).collect();
+            let parameters = parameters.join(", ");
+            let form = super::messages::quote(&format!("{written}({parameters})"));
+            diagnostic = diagnostic.with_hint(format!("write {form}"));
+        }
         self.reject(diagnostic)
     }
 
