@@ -1002,6 +1002,42 @@ fn a_file_that_may_not_grow_is_reported_and_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_spacing_and_angles_may_be_expressions_and_a_spacing_is_positive() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let drawn = |spacing: &str, angle: &str| {
+        let picture = folder.path().join("p.png");
+        let run = geotrace([
+            "render", "-", "-o", "p.png", "--size", "64x64", "--view", "geodesic", "--angle", angle,
+        ])
+        .argument(format!("--wavefronts={spacing}"))
+        .folder(folder.path())
+        .input(SPHERE)
+        .run();
+        (run, std::fs::read(picture).unwrap_or_default())
+    };
+    let (run, picture) = drawn("0.5", "45");
+    run.expect_status(0);
+    let (run, by_expressions) = drawn("1/2", "90/2");
+    run.expect_status(0);
+    assert!(picture == by_expressions);
+    for spacing in ["0", "1 - 2"] {
+        let (run, _) = drawn(spacing, "0");
+        run.expect_status(2);
+        assert!(
+            run.stderr
+                .contains("--wavefronts: it must be greater than 0"),
+            "{}",
+            run.stderr
+        );
+    }
+    let traced = |heading: &str| {
+        let arguments = ["trace", "-", "--from", "0,0", "--length", "1", "--heading"];
+        geotrace(arguments).argument(heading).input(SPHERE).run()
+    };
+    assert_eq!(traced("45").stdout, traced("90/2").stdout);
+}
+
+#[test]
 fn wavefronts_that_are_too_close_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     for (spacing, drawn) in [("0.5", true), ("0.001", false)] {

@@ -64,7 +64,7 @@ Examples:
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
   geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
-Positions, lengths and zooms may be expressions in the program's names, such as pi/2. Params have their initial values unless set. The 3D view draws objects that depend on a grid once for each value; the geodesic view uses the first value. Files are written whole or not at all.
+Positions, angles, lengths and zooms may be expressions in the program's names, such as pi/2. Params have their initial values unless set. The 3D view draws objects that depend on a grid once for each value; the geodesic view uses the first value. Files are written whole or not at all.
 
 In an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors above the pixels.
 

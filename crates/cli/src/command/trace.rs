@@ -37,7 +37,7 @@ Examples:
   geotrace trace torus.gtr --surface s --from -pi/2,0.3 --direction 1,-1 --length 5 --format json
   geotrace trace quartic.gtr --surface q --from 1,1,1 --direction 1,-1,0 --length 5
 
-Positions, directions and lengths may be expressions in the program's names, such as pi/2.
+Positions, directions, headings and lengths may be expressions in the program's names, such as pi/2.
 
 The status is one of
   complete      it reached its full length
@@ -62,8 +62,8 @@ pub(super) struct Arguments {
     direction: Option<PlaceArgument>,
     /// The direction: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n, from ẑ×n towards
     /// n×(ẑ×n)
-    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
-    heading: Option<f64>,
+    #[arg(long, value_name = "DEG", value_parser = argument::quantity, allow_hyphen_values = true)]
+    heading: Option<Quantity>,
     /// The length, in the surface's units
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true)]
     length: Quantity,
@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             trace::trace(surface, from, direction, length, &options)
         }
         None => {
-            let angle = arguments.heading.unwrap_or(0.0).to_radians();
+            let angle = heading(arguments, &program, &params)?;
             trace_heading(surface, from, angle, length, &options)
         }
     };
@@ -173,6 +173,18 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 }
 
 /// Prints what was found, with the conjugate points and the Jacobi field where the arguments ask for them.
+/// Returns the heading in radians.
+fn heading(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<f64, Failure> {
+    match &arguments.heading {
+        Some(heading) => Ok(program.number("--heading", heading, params)?.to_radians()),
+        None => Ok(0.0),
+    }
+}
+
 fn print(
     arguments: &Arguments,
     mut document: TraceJson,
@@ -233,7 +245,7 @@ fn on_solid(
     let direction = match &arguments.direction {
         Some(direction) => stated(program.place("--direction", direction, params, object)?),
         None => {
-            let angle = arguments.heading.unwrap_or(0.0).to_radians();
+            let angle = heading(arguments, program, params)?;
             SpaceFrame::new(surface, from, angle, 1.0)
                 .map_err(unusable)?
                 .x

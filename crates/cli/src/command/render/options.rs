@@ -19,8 +19,8 @@ pub(super) struct GeodesicViewArguments {
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) at: Option<PlaceArgument>,
     /// The angle from the direction of increasing u to the picture's right, towards increasing v [default: 0]
-    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, hide_short_help = true)]
-    pub(super) angle: Option<f64>,
+    #[arg(long, value_name = "DEG", value_parser = argument::quantity, allow_hyphen_values = true, hide_short_help = true)]
+    pub(super) angle: Option<Quantity>,
     /// Show the surface from its other side: the picture is mirrored
     #[arg(long, hide_short_help = true)]
     pub(super) mirrored: bool,
@@ -49,8 +49,8 @@ pub(super) struct OverlayArguments {
     pub(super) labels: bool,
     /// Draw geodesic circles around the camera, SPACING apart [default: the least 1, 2 or 5 times a power of ten that
     /// is at least a quarter of the distance to the picture's edge]. In the 3D view with --show-camera SURFACE
-    #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, hide_short_help = true)]
-    pub(super) wavefronts: Option<Option<f64>>,
+    #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::quantity, hide_short_help = true)]
+    pub(super) wavefronts: Option<Option<Quantity>>,
     /// Mark the conjugate points, where geodesics from the camera meet their neighbours; in the 3D view with
     /// --show-camera SURFACE
     #[arg(long, hide_short_help = true)]

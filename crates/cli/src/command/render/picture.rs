@@ -37,7 +37,7 @@ pub(super) fn request(
     let view = view(arguments, views, program, &params)?;
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
-        overlays: overlays(arguments),
+        overlays: overlays(arguments, program, &params)?,
         theme: arguments.theme,
         scale: arguments.scale as f32,
         colours: colours(arguments, program)?,
@@ -180,18 +180,29 @@ fn manifold(
     Ok((id, program.manifold(id, params)?))
 }
 
-fn overlays(arguments: &Arguments) -> Overlays {
-    let wavefronts = arguments.overlays.wavefronts;
-    Overlays {
+fn overlays(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Overlays, Failure> {
+    let wavefronts = match &arguments.overlays.wavefronts {
+        None => None,
+        Some(None) => Some(Spacing::Auto),
+        Some(Some(spacing)) => match program.number("--wavefronts", spacing, params)? {
+            spacing if spacing > 0.0 => Some(Spacing::Every(spacing)),
+            _ => return Err(Failure::usage("--wavefronts: it must be greater than 0")),
+        },
+    };
+    Ok(Overlays {
         legend: arguments.overlays.legend,
-        wavefronts: wavefronts.map(|given| given.map_or(Spacing::Auto, Spacing::Every)),
+        wavefronts,
         conjugate_points: arguments.overlays.conjugate,
         cut_locus: arguments.overlays.cut_locus,
         error: arguments.overlays.error,
         labels: arguments.overlays.labels,
         axes: arguments.space.axes,
         hidden_lines: arguments.space.hidden_lines,
-    }
+    })
 }
 
 /// Returns the colours of objects.
@@ -290,7 +301,10 @@ fn geodesic_camera(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<GeodesicCamera, Failure> {
-    let angle = arguments.geodesic.angle.unwrap_or(0.0).to_radians();
+    let angle = match &arguments.geodesic.angle {
+        Some(angle) => program.number("--angle", angle, params)?.to_radians(),
+        None => 0.0,
+    };
     let pose = match program.scene().get(surface) {
         Some(object) if object.shape.solid().is_some() => {
             if arguments.geodesic.mirrored {

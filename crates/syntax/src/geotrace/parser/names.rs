@@ -329,7 +329,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             return;
         }
         let whole_span = self.lexer.word();
-        let differentials = quotient_of_differentials(self.source, whole_span);
+        let differentials = self.quotient_of_differentials(whole_span);
         if let Some(numerator) = differentials
             && numerator != whole_span.text(self.source)
             && known.contains(&numerator)
@@ -397,6 +397,35 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .strip_prefix('d')
             .filter(|_| is_metric && self.state.in_body);
         rest.is_some_and(|rest| parameters.longest_prefix(rest).is_some())
+    }
+
+    /// Returns `df` where the word at a place is a part of `df/du`, a derivative in another notation: `u` is a parameter, or `du` a
+    /// known word of that notation.
+    fn quotient_of_differentials(&self, place: Span) -> Option<&'s str> {
+        let source = self.source;
+        let is_letter = |c: char| c.is_ascii_alphanumeric();
+        let word = place.text(source);
+        let behind = source[place.end as usize..].trim_start_matches(' ');
+        let (numerator, denominator) = match behind.strip_prefix('/') {
+            Some(behind) => {
+                let behind = behind.trim_start_matches(' ');
+                let end = behind.find(|c| !is_letter(c)).unwrap_or(behind.len());
+                (word, &behind[..end])
+            }
+            None => {
+                let before = source[..place.start as usize].trim_end_matches(' ');
+                let before = before.strip_suffix('/')?.trim_end_matches(' ');
+                let start = before.trim_end_matches(is_letter).len();
+                (&before[start..], word)
+            }
+        };
+        let variable = denominator.strip_prefix('d')?;
+        let derivative = self.foreign_word("dx", false)?.hint;
+        let known = self.foreign_word(denominator, false);
+        let is_known = self.state.parameter_trie.get(variable).is_some()
+            || known.is_some_and(|it| it.hint == derivative);
+        let is_quotient = is_known && numerator.len() > 1 && numerator.starts_with('d');
+        is_quotient.then_some(numerator)
     }
 
     /// Returns a hint with the form of a metric's value.
@@ -532,6 +561,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         };
         let deferred = Deferred::Declared(function);
         if !is_word {
+            // As in `r_0(1)`, where the declaration of `r_0` has been reported.
+            self.flagged |= symbol.faulty;
             return Err(self.reject_deferred(diagnostic, Some(deferred)));
         }
         // A function whose own declaration failed may lack parameters.
@@ -659,22 +690,4 @@ pub(super) fn meaning(parsed: &impl NameScope, id: SymbolId) -> TokenKind {
         SymbolKind::Constant => TokenKind::Constant(id),
         SymbolKind::Function => TokenKind::Function(id),
     }
-}
-
-/// Returns `df` where the word at a place is a part of `df/du`, a derivative in another notation.
-fn quotient_of_differentials(source: &str, place: Span) -> Option<&str> {
-    let is_differential = |word: &str| word.len() > 1 && word.starts_with('d');
-    let is_letter = |c: char| c.is_ascii_alphanumeric();
-    let word = place.text(source);
-    if !is_differential(word) {
-        return None;
-    }
-    let behind = source[place.end as usize..].strip_prefix('/');
-    if let Some(behind) = behind {
-        let end = behind.find(|c| !is_letter(c)).unwrap_or(behind.len());
-        return is_differential(&behind[..end]).then_some(word);
-    }
-    let before = source[..place.start as usize].strip_suffix('/')?;
-    let numerator = &before[before.trim_end_matches(is_letter).len()..];
-    is_differential(numerator).then_some(numerator)
 }
