@@ -1035,6 +1035,9 @@ fn a_spacing_and_angles_may_be_expressions_and_a_spacing_is_positive() {
         geotrace(arguments).argument(heading).input(SPHERE).run()
     };
     assert_eq!(traced("45").stdout, traced("90/2").stdout);
+    for heading in ["nan", "0/0", "(1, 2)"] {
+        traced(heading).expect_status(2);
+    }
 }
 
 #[test]

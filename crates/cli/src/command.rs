@@ -305,7 +305,6 @@ mod tests {
             "geotrace render a.gtr -o a.png --set r",
             "geotrace trace a.gtr --surface s --from 0,0 --length 1",
             "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading 0 --direction 1,0",
-            "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading nan",
             "geotrace eval a.gtr",
             "geotrace export a.gtr",
             "geotrace export a.gtr -o a.obj --format dxf",
