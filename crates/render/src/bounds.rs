@@ -35,6 +35,8 @@ fn rays_in_a_row(solids: usize) -> usize {
 const MOST_RAYS: usize = 20;
 /// The operations of those rays, of all solids together; each has an equal share.
 const MOST_OPERATIONS: u64 = 1 << 28;
+/// The number of objects that are prepared at once: a prepared solid takes some 10 kB.
+const PREPARED: usize = 256;
 
 /// Coarse samples of one object.
 const SAMPLES: usize = 40_000;
@@ -217,15 +219,21 @@ impl ObjectCloud {
             let solid = object.shape.solid().is_some();
             solid.then(|| RayScene::of_solid(scene, params, &options, object, &mut work))
         };
-        let objects = scene.objects.iter().zip(wanted);
-        let objects: Vec<(&Object, bool, Option<RayScene>)> = objects
-            .map(|(object, &wanted)| (object, wanted, wanted.then(|| prepared(object)).flatten()))
-            .collect();
         let cloud = |(object, wanted, rays): &(&Object, bool, Option<RayScene>)| match rays {
             Some(rays) => Some(Self::of_solid(rays, in_a_row, operations)),
             None => wanted.then(|| Self::new(scene, params, object)),
         };
-        objects.par_iter().map(cloud).collect()
+        let mut clouds = Vec::with_capacity(scene.objects.len());
+        for (objects, wanted) in scene.objects.chunks(PREPARED).zip(wanted.chunks(PREPARED)) {
+            let objects = objects.iter().zip(wanted);
+            let objects: Vec<(&Object, bool, Option<RayScene>)> = objects
+                .map(|(object, &wanted)| {
+                    (object, wanted, wanted.then(|| prepared(object)).flatten())
+                })
+                .collect();
+            clouds.par_extend(objects.par_iter().map(cloud));
+        }
+        clouds
     }
 
     /// Samples an object coarsely that is no solid.

@@ -18,7 +18,10 @@ pub(crate) struct PolynomialSurface {
     form: SurfaceForm,
     degree: usize,
     size: f64,
+    /// The scaled polynomial: its largest coefficient is between 1 and 2.
     pub(crate) polynomial: Polynomial,
+    /// The factor from the given polynomial to it.
+    scale: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -27,8 +30,8 @@ enum SurfaceForm {
     Higher {
         /// Sorted by the exponent of x, then of y, then of z.
         terms: Vec<([u8; 3], f64)>,
-        /// The expression, if it takes less work than the terms.
-        program: Option<PolynomialProgram>,
+        /// The expression, if it takes less work than the terms, and the factor from its value to the polynomial.
+        program: Option<(PolynomialProgram, f64)>,
     },
 }
 
@@ -50,8 +53,11 @@ pub(crate) enum QuadraticForm {
 }
 
 impl PolynomialSurface {
-    /// Prepares a polynomial of degree at most [`LARGEST_DEGREE`].
-    pub(crate) fn new(polynomial: Polynomial) -> Self {
+    /// Prepares a polynomial of degree at most [`LARGEST_DEGREE`]. It is scaled by a power of two, so that the squares of its
+    /// coefficients are in the range of numbers, and every other rounding stays as it is.
+    pub(crate) fn new(given: Polynomial) -> Self {
+        let scale = normalizing(given.largest());
+        let polynomial = given.scaled(scale);
         let term = |e: [u8; 3]| {
             let mut terms = polynomial.terms();
             terms.find(|(f, _)| *f == e).map_or(0.0, |(_, c)| c)
@@ -79,6 +85,7 @@ impl PolynomialSurface {
             degree: polynomial.degree(),
             size: polynomial.terms().map(|(_, c)| c.abs()).sum(),
             polynomial,
+            scale,
         }
     }
 
@@ -91,7 +98,7 @@ impl PolynomialSurface {
             // If factors are left out, the expression has a higher degree.
             let is_it = found.degree() == self.degree;
             if is_it && self.degree > HIGHEST_SHARED && found.cost() < cost {
-                *program = Some(found);
+                *program = Some((found, self.scale));
             }
         }
         self
@@ -129,10 +136,10 @@ impl PolynomialSurface {
                 return sum;
             }
             SurfaceForm::Higher {
-                program: Some(program),
+                program: Some((program, scale)),
                 ..
             } => {
-                let mut p = program.along(point, direction);
+                let mut p = program.along(point, direction).map(|c| scale * c);
                 p[self.degree + 1..].fill(0.0);
                 return p;
             }
@@ -172,6 +179,16 @@ impl PolynomialSurface {
                 gradient
             }
         }
+    }
+}
+
+/// Returns the power of two that scales a number into [1, 2); 1 for 0 and what is not finite.
+fn normalizing(x: f64) -> f64 {
+    // Smaller numbers are scaled as far as the range of numbers allows.
+    const MOST: f64 = 1000.0;
+    match x > 0.0 && x.is_finite() {
+        true => (-x.log2().floor().clamp(-MOST, MOST)).exp2(),
+        false => 1.0,
     }
 }
 

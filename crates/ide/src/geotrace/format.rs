@@ -141,13 +141,19 @@ fn is_of_syntax(code: Code) -> bool {
     )
 }
 
-/// Returns the text's line ending: that of its first line, so that the conventions of other systems are preserved.
+/// Returns the text's line ending: that of its first line that is not blank, so that the conventions of other systems are
+/// preserved. Blank lines at the start are removed.
 fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
     let document = analysis.document();
-    let first = document.line_start(2);
-    let end = first.map(|start| Span::new(start.saturating_sub(2), start));
-    match end.and_then(|end| document.slice(end)) {
-        Some(end) if end == "\r\n" => "\r\n",
+    let starts = (1..).map_while(|line| document.line_start(line));
+    let ends = starts.clone().skip(1);
+    let mut lines = starts.zip(ends).map(|(start, end)| Span::new(start, end));
+    let first = lines.find_map(|line| {
+        let text = document.slice(line)?;
+        (!text.trim().is_empty()).then_some(text)
+    });
+    match first {
+        Some(line) if line.ends_with("\r\n") => "\r\n",
         _ => "\n",
     }
 }

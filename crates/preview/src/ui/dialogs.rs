@@ -1,4 +1,4 @@
-//! The dialogs: which are open, and their input.
+//! The dialogs: which is open, and its input.
 
 pub(crate) mod help;
 pub(crate) mod picture;
@@ -20,31 +20,38 @@ use picture::PictureDialog;
 use program::ProgramDialog;
 use record::RecordDialog;
 
-/// The dialogs, and their input.
+/// A dialog, which receives the keys while it is open, and its input.
+#[derive(Debug)]
+pub(crate) enum Dialog {
+    /// For saving a picture.
+    Picture(PictureDialog),
+    /// For writing a mesh: its file.
+    Mesh(String),
+    /// For recording an animation.
+    Record(RecordDialog),
+    /// For opening or saving a program.
+    Program(ProgramDialog),
+    /// The list of examples.
+    Examples,
+    /// A page of help.
+    Help(HelpPage),
+}
+
+/// What stands before the panes: at most one dialog, a question before it, and windows that leave the keys to the panes.
 #[derive(Debug, Default)]
 pub(crate) struct Dialogs {
+    /// The open dialog.
+    pub(crate) open: Option<Dialog>,
+    /// True if the file field of the newly opened dialog is to get the focus.
+    pub(crate) wants_name: bool,
+    /// The next step, before which the user is asked about unsaved text.
+    pub(crate) leaving: Option<Next>,
     /// True while the keys are listed.
     pub(crate) shortcuts: bool,
-    /// The dialog for saving a picture.
-    pub(crate) picture: Option<PictureDialog>,
-    /// The dialog for writing a mesh: its file.
-    pub(crate) mesh: Option<String>,
-    /// The dialog for recording an animation.
-    pub(crate) record: Option<RecordDialog>,
     /// The running recording.
     pub(crate) recording: Option<Recording>,
     /// The window in which surfaces are measured.
     pub(crate) measuring: Measuring,
-    /// True if the file field of the newly opened dialog is to get the focus.
-    pub(crate) wants_name: bool,
-    /// The dialog for opening or saving a program.
-    pub(crate) program: Option<ProgramDialog>,
-    /// True while the examples are listed.
-    pub(crate) examples: bool,
-    /// The page of help that is shown.
-    pub(crate) help: Option<HelpPage>,
-    /// The next step, before which the user is asked about unsaved text.
-    pub(crate) leaving: Option<Next>,
     /// The text of the field for a texture's file.
     pub(crate) texture_path: String,
     /// True if that field is to get the focus.
@@ -61,22 +68,18 @@ impl Dialogs {
 
     /// Returns the text of the open dialog's file field.
     fn path(&mut self) -> Option<&mut String> {
-        if let Some(dialog) = &mut self.picture {
-            Some(&mut dialog.path)
-        } else if let Some(dialog) = &mut self.program {
-            Some(&mut dialog.path)
-        } else if let Some(mesh) = &mut self.mesh {
-            Some(mesh)
-        } else {
-            self.record.as_mut().map(|dialog| &mut dialog.path)
+        match self.open.as_mut()? {
+            Dialog::Picture(dialog) => Some(&mut dialog.path),
+            Dialog::Mesh(path) => Some(path),
+            Dialog::Record(dialog) => Some(&mut dialog.path),
+            Dialog::Program(dialog) => Some(&mut dialog.path),
+            Dialog::Examples | Dialog::Help(_) => None,
         }
     }
 
     /// Returns whether a dialog receives the keys.
     pub(crate) fn is_open(&self) -> bool {
-        let asks = self.picture.is_some() || self.mesh.is_some() || self.record.is_some();
-        let shows = self.examples || self.help.is_some();
-        asks || shows || self.program.is_some() || self.leaving.is_some()
+        self.open.is_some() || self.leaving.is_some()
     }
 }
 
@@ -87,12 +90,16 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
     measure::show(window, ui);
     name_keys(window, ui);
-    picture::show(window, ui);
-    record::show(window, ui);
-    program::show(window, ui);
-    help::show(window, ui);
-    if window.dialogs.examples {
-        examples(window, ui);
+    record::show_recording(window, ui);
+    // A dialog that stays open is put back.
+    match window.dialogs.open.take() {
+        Some(Dialog::Picture(dialog)) => picture::show_picture(window, dialog, ui),
+        Some(Dialog::Mesh(path)) => picture::show_mesh(window, path, ui),
+        Some(Dialog::Record(dialog)) => record::show(window, dialog, ui),
+        Some(Dialog::Program(dialog)) => program::show(window, dialog, ui),
+        Some(Dialog::Help(page)) => help::show(window, page, ui),
+        Some(Dialog::Examples) => examples(window, ui),
+        None => {}
     }
     if let Some(next) = window.dialogs.leaving.clone() {
         leaving(window, &next, ui);
@@ -146,8 +153,8 @@ fn examples(window: &mut Window, ui: &Ui) {
     });
     let is_closing = modal.should_close();
     let (chosen, cancels) = modal.inner;
-    if cancels || chosen.is_some() || is_closing {
-        window.dialogs.examples = false;
+    if !cancels && chosen.is_none() && !is_closing {
+        window.dialogs.open = Some(Dialog::Examples);
     }
     if let Some(next) = chosen {
         window.go_on(next);

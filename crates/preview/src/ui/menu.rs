@@ -7,6 +7,7 @@ use session::layout::Arrangement;
 use session::pane::Pane;
 use session::{Model, Step, WAVEFRONTS};
 
+use crate::ui::dialogs::Dialog;
 use crate::ui::dialogs::help::HelpPage;
 use crate::ui::dialogs::{picture, program, record};
 use crate::ui::panes::program::commands::{self, TextCommand};
@@ -92,7 +93,7 @@ fn program_entries(window: &mut Window, ui: &mut Ui) {
         });
     });
     if entry(ui, true, "Examples…", "") {
-        window.dialogs.examples = true;
+        window.dialogs.open = Some(Dialog::Examples);
     }
     ui.separator();
     let TextSource::File { editor, .. } = &window.text.source else {
@@ -116,14 +117,14 @@ fn help(window: &mut Window, ui: &mut Ui) {
         window.dialogs.shortcuts = true;
     }
     if window.text.is_own() && entry(ui, true, "Examples…", "") {
-        window.dialogs.examples = true;
+        window.dialogs.open = Some(Dialog::Examples);
     }
     if entry(ui, true, "Language on one page", "") {
-        window.dialogs.help = Some(HelpPage::Language);
+        window.dialogs.open = Some(Dialog::Help(HelpPage::Language));
     }
     ui.separator();
     if entry(ui, true, "About Geotrace", "") {
-        window.dialogs.help = Some(HelpPage::About);
+        window.dialogs.open = Some(Dialog::Help(HelpPage::About));
     }
 }
 

@@ -40,10 +40,10 @@ impl Purpose {
         }
         match self {
             Self::Param => format!(
-                "keep the interval constant and scale in a define, as in `param a : [0, 1]; define b = {name} a;`"
+                "keep the interval constant and scale in a define, as in `param share : [0, 1]; define scaled = {name} share;`"
             ),
             Self::Grid => format!(
-                "keep the interval constant and scale in a define, as in `grid i : [0, 1, 5]; define j = {name} i;`"
+                "keep the interval constant and scale in a define, as in `grid share : [0, 1, 5]; define scaled = {name} share;`"
             ),
             Self::Domain => {
                 format!("keep the interval constant and scale inside, as in `c({name} t)`")

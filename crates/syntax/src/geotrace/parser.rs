@@ -182,7 +182,8 @@ struct DeclarationState<'s> {
     undefined: Vec<&'s str>,
     /// True once a syntax error has been reported: a declaration gets at most one.
     rejected: bool,
-    /// True if a report covers the rest of the declaration: illegal characters in it are skipped without a report.
+    /// True if a report covers the rest of the declaration: illegal characters and undefined words in it are skipped without a
+    /// report.
     quiet: bool,
 }
 
@@ -230,7 +231,11 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
     fn lone_expression(&mut self) {
         let read = self.expression();
         if read.is_ok() && self.current.kind != TokenKind::Eoi {
-            self.expected("the end of the expression");
+            let mut diagnostic = self.expected_diagnostic("the end of the expression");
+            if self.current.kind == TokenKind::Prime {
+                diagnostic = diagnostic.with_hint(messages::DERIVATIVE);
+            }
+            self.reject(diagnostic);
         }
         while self.current.kind != TokenKind::Eoi {
             self.advance(Mode::Expression);

@@ -62,6 +62,41 @@ fn fields_that_are_undefined_or_constant_or_jump_have_answers() {
 }
 
 #[test]
+fn a_factor_of_any_size_changes_no_crossing_and_no_normal() {
+    let [x, y, z] = &variables();
+    let sum = |n: i32| x.powi(n) + y.powi(n) + z.powi(n) - 1.0;
+    // The last one is evaluated by its factors.
+    let twelfth = (x.squared() + y.squared() + z.squared() - 1.0).powi(3) * sum(6);
+    let faces = |formula: &Formula| -> Vec<(f64, DVec3)> {
+        let graph = formula.graph().clone();
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+        builder
+            .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .unwrap();
+        let world = builder.build().unwrap();
+        let mut caster = world.caster();
+        let crossings = caster.cast(&ray(0.1));
+        crossings.iter().map(|it| (it.t, it.normal)).collect()
+    };
+    for f in [sum(2), sum(4), sum(6), twelfth] {
+        let expected = faces(&f);
+        assert!(!expected.is_empty());
+        for exponent in [-300, -200, -160, -100, 100, 160, 200, 300] {
+            let found = faces(&(&f * 10f64.powi(exponent)));
+            assert_eq!(found.len(), expected.len(), "10^{exponent}");
+            for ((t, normal), (known, direction)) in found.iter().zip(&expected) {
+                assert!((t - known).abs() < 1e-14, "10^{exponent}: {t}");
+                assert!(
+                    (*normal - *direction).length() < 1e-13,
+                    "10^{exponent}: {normal}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn the_work_on_functions_is_limited_and_said_to_be() {
     const LIMIT: u64 = 1 << 20;
     let [x, y, z] = &variables();

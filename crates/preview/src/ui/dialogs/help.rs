@@ -2,6 +2,7 @@
 
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
+use super::Dialog;
 use crate::ui::window::Window;
 
 /// A page.
@@ -11,11 +12,8 @@ pub(crate) enum HelpPage {
     About,
 }
 
-/// Shows the page that is open.
-pub(super) fn show(window: &mut Window, ui: &Ui) {
-    let Some(page) = window.dialogs.help else {
-        return;
-    };
+/// Shows a page.
+pub(super) fn show(window: &mut Window, page: HelpPage, ui: &Ui) {
     let modal = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
         match page {
             HelpPage::Language => language(window, ui),
@@ -24,8 +22,8 @@ pub(super) fn show(window: &mut Window, ui: &Ui) {
         ui.add_space(8.0);
         ui.button("Close").clicked()
     });
-    if modal.inner || modal.should_close() {
-        window.dialogs.help = None;
+    if !modal.inner && !modal.should_close() {
+        window.dialogs.open = Some(Dialog::Help(page));
     }
 }
 

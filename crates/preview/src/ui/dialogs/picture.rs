@@ -11,6 +11,7 @@ use render::style::Theme;
 use render::{Backend, PictureRequest, ViewId, style};
 use session::StatusMessage;
 
+use super::Dialog;
 use crate::channel::report_when_done;
 use crate::io::files;
 use crate::ui::number_field;
@@ -74,7 +75,7 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     let Some(request) = window.kept(&window.focus.view) else {
         return;
     };
-    window.dialogs.picture = Some(PictureDialog {
+    window.dialogs.open = Some(Dialog::Picture(PictureDialog {
         pane: window.focus.view.clone(),
         size: request.size,
         resolution: 1,
@@ -82,7 +83,7 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
         theme: request.theme,
         transparent: request.view.space().map(|_| false),
         path: in_folder(window, &file_name(window, &window.focus.view, "png")),
-    });
+    }));
     window.dialogs.wants_name = true;
 }
 
@@ -93,7 +94,7 @@ pub(crate) fn ask_for_mesh(window: &mut Window) {
         Some(program) => format!("{}.glb", program.display()),
         None => "scene.glb".to_owned(),
     };
-    window.dialogs.mesh = Some(in_folder(window, &name));
+    window.dialogs.open = Some(Dialog::Mesh(in_folder(window, &name)));
     window.dialogs.wants_name = true;
 }
 
@@ -166,35 +167,31 @@ fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, outpu
     window.status_message = Some(StatusMessage::info(sentence));
 }
 
-/// Shows the open dialogs.
-pub(crate) fn show(window: &mut Window, ui: &Ui) {
-    if let Some(mut dialog) = window.dialogs.picture.take() {
-        let (decision, copies) = picture(&mut dialog, ui);
-        if copies && let Some(request) = window.kept(&dialog.pane) {
-            let request = dialog.apply(request);
-            copy_command_of(window, ui, &request, Path::new(&dialog.path));
-        }
-        match decision {
-            Decision::Stay => window.dialogs.picture = Some(dialog),
-            Decision::Cancel => {}
-            Decision::Choose => {
-                choose(window, "Save picture", &dialog.path);
-                window.dialogs.picture = Some(dialog);
-            }
-            Decision::Save => write_picture(window, &dialog),
-        }
+/// Shows the dialog for a picture.
+pub(super) fn show_picture(window: &mut Window, mut dialog: PictureDialog, ui: &Ui) {
+    let (decision, copies) = picture(&mut dialog, ui);
+    if copies && let Some(request) = window.kept(&dialog.pane) {
+        let request = dialog.apply(request);
+        copy_command_of(window, ui, &request, Path::new(&dialog.path));
     }
-    if let Some(mut path) = window.dialogs.mesh.take() {
-        match mesh(&mut path, ui) {
-            Decision::Stay => window.dialogs.mesh = Some(path),
-            Decision::Cancel => {}
-            Decision::Choose => {
-                choose(window, "Export mesh", &path);
-                window.dialogs.mesh = Some(path);
-            }
-            Decision::Save => write_mesh(window, &path),
-        }
+    match decision {
+        Decision::Cancel => return,
+        Decision::Save => return write_picture(window, &dialog),
+        Decision::Choose => choose(window, "Save picture", &dialog.path),
+        Decision::Stay => {}
     }
+    window.dialogs.open = Some(Dialog::Picture(dialog));
+}
+
+/// Shows the dialog for a mesh.
+pub(super) fn show_mesh(window: &mut Window, mut path: String, ui: &Ui) {
+    match mesh(&mut path, ui) {
+        Decision::Cancel => return,
+        Decision::Save => return write_mesh(window, &path),
+        Decision::Choose => choose(window, "Export mesh", &path),
+        Decision::Stay => {}
+    }
+    window.dialogs.open = Some(Dialog::Mesh(path));
 }
 
 /// Shows the dialog. Returns the decision, and whether its command is to be copied.

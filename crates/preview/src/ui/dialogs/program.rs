@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Grid, Ui};
 use session::StatusMessage;
 
+use super::Dialog;
 use super::picture::{self, Decision};
 use crate::ui::window::{Next, TextSource, Window};
 
@@ -37,10 +38,10 @@ pub(crate) fn choose_file(window: &Window) {
 
 /// Opens the dialog for the name of a program to open.
 pub(crate) fn ask_for_file(window: &mut Window) {
-    window.dialogs.program = Some(ProgramDialog {
+    window.dialogs.open = Some(Dialog::Program(ProgramDialog {
         path: picture::in_folder(window, ""),
         purpose: FileAction::Open,
-    });
+    }));
     window.dialogs.wants_name = true;
 }
 
@@ -49,19 +50,16 @@ pub(crate) fn ask_for_target(window: &mut Window, next: Option<Next>) {
     if let TextSource::File { editor, .. } = &window.text.source {
         let path = std::path::absolute(&editor.path);
         let path = path.unwrap_or_else(|_| editor.path.clone());
-        window.dialogs.program = Some(ProgramDialog {
+        window.dialogs.open = Some(Dialog::Program(ProgramDialog {
             path: path.display().to_string(),
             purpose: FileAction::Save(next),
-        });
+        }));
         window.dialogs.wants_name = true;
     }
 }
 
-/// Shows the dialog, if it is open.
-pub(crate) fn show(window: &mut Window, ui: &Ui) {
-    let Some(mut dialog) = window.dialogs.program.take() else {
-        return;
-    };
+/// Shows the dialog.
+pub(super) fn show(window: &mut Window, mut dialog: ProgramDialog, ui: &Ui) {
     let (title, verb) = match dialog.purpose {
         FileAction::Open => ("Open program", "Open"),
         FileAction::Save(_) => ("Save program", picture::verb(Path::new(&dialog.path))),
@@ -78,18 +76,17 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
         choose
     });
     match decision {
-        Decision::Stay => window.dialogs.program = Some(dialog),
         Decision::Cancel => {
             let message = &mut window.status_message;
             message.take_if(|it| it.text == crate::io::file_dialogs::NO_DIALOG);
+            return;
         }
-        Decision::Choose if saves => {
-            picture::choose(window, title, &dialog.path);
-            window.dialogs.program = Some(dialog);
-        }
-        Decision::Choose => choose_file(window),
-        Decision::Save => take_file(window, dialog),
+        Decision::Save => return take_file(window, dialog),
+        Decision::Choose if !saves => return choose_file(window),
+        Decision::Choose => picture::choose(window, title, &dialog.path),
+        Decision::Stay => {}
     }
+    window.dialogs.open = Some(Dialog::Program(dialog));
 }
 
 fn take_file(window: &mut Window, dialog: ProgramDialog) {

@@ -9,6 +9,7 @@ use render::ViewId;
 use session::motion::Motion;
 use session::{InsideCamera, StatusMessage};
 
+use super::Dialog;
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
 use crate::engine::recording::film::Film;
@@ -33,6 +34,14 @@ pub(crate) struct RecordDialog {
     transparent: Option<bool>,
     clip: Clip,
     pub(crate) path: String,
+}
+
+impl RecordDialog {
+    /// Returns true if something can move, and the file is that of an animation.
+    fn can_begin(&self) -> bool {
+        let format = AnimationFile::of_path(Path::new(&self.path));
+        !self.moves.is_empty() && format.is_some()
+    }
 }
 
 /// A motion that can be recorded.
@@ -93,7 +102,7 @@ pub(crate) fn ask(window: &mut Window) {
     let path = picture::in_folder(window, &picture::file_name(window, &pane, "gif"));
     // If nothing can move, there is no field for a file.
     let has_file = !moves.is_empty();
-    window.dialogs.record = Some(RecordDialog {
+    window.dialogs.open = Some(Dialog::Record(RecordDialog {
         // Twice as far as the picture shows.
         length: camera
             .as_ref()
@@ -111,7 +120,7 @@ pub(crate) fn ask(window: &mut Window) {
             rate: animation::RATE,
         },
         path,
-    });
+    }));
     window.dialogs.wants_name = has_file;
 }
 
@@ -122,8 +131,8 @@ fn rounded(x: f64) -> f64 {
     if near.is_finite() { near } else { x }
 }
 
-/// Shows the dialog, or the running recording.
-pub(crate) fn show(window: &mut Window, ui: &Ui) {
+/// Shows the progress of the running recording.
+pub(super) fn show_recording(window: &mut Window, ui: &Ui) {
     if window
         .dialogs
         .recording
@@ -135,25 +144,17 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     if let Some(recording) = &window.dialogs.recording {
         progress(recording, ui);
     }
-    let Some(mut dialog) = window.dialogs.record.take() else {
-        return;
-    };
-    let decision = picture::modal(ui, "Record", "Record", |ui| fields(&mut dialog, ui));
-    match decision {
-        Decision::Stay => window.dialogs.record = Some(dialog),
-        Decision::Cancel => {}
-        Decision::Choose => {
-            picture::choose(window, "Record", &dialog.path);
-            window.dialogs.record = Some(dialog);
-        }
-        Decision::Save
-            if dialog.moves.is_empty()
-                || AnimationFile::of_path(Path::new(&dialog.path)).is_none() =>
-        {
-            window.dialogs.record = Some(dialog);
-        }
-        Decision::Save => begin(window, &dialog),
+}
+
+/// Shows the dialog.
+pub(super) fn show(window: &mut Window, mut dialog: RecordDialog, ui: &Ui) {
+    match picture::modal(ui, "Record", "Record", |ui| fields(&mut dialog, ui)) {
+        Decision::Cancel => return,
+        Decision::Save if dialog.can_begin() => return begin(window, &dialog),
+        Decision::Choose => picture::choose(window, "Record", &dialog.path),
+        Decision::Save | Decision::Stay => {}
     }
+    window.dialogs.open = Some(Dialog::Record(dialog));
 }
 
 /// Shows the fields of the dialog. Returns whether the file is to be chosen in the desktop's dialog.

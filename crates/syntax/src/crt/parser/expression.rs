@@ -184,12 +184,14 @@ impl<A: Actions> Parser<'_, '_, A> {
         let [word, value] = [(); 2].map(|()| ahead.read().token);
         let is_near = || nearest(word.span.text(self.source), MODIFIERS.into_iter()).is_some();
         let between = || Span::new(word.span.end, value.span.start).text(self.source);
+        // No statement begins with a number.
+        let is_number = matches!(value.kind, TokenKind::Integer | TokenKind::Float);
         self.at(TokenKind::Less)
             && word.kind == TokenKind::Identifier
             && value.kind.begins_primary()
             && !matches!(value.kind, TokenKind::ParenOpen | TokenKind::BracketOpen)
             && !between().contains('\n')
-            && (is_near() || value.span.text(self.source) == "vec3")
+            && (is_near() || is_number || value.span.text(self.source) == "vec3")
     }
 
     /// Reports a mistyped modifier and returns the kind that it is read as; `None` if no value follows it.

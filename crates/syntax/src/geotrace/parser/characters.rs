@@ -18,6 +18,12 @@ const SET_HINT: &str = "a set names solids and lists no parameters: `solid s = a
 /// The hint at a comparison where an interval may stand.
 const INTERVAL: &str = "an interval is written `t : [a, b]`";
 
+/// The hint at a root in LaTeX whose degree is in brackets.
+const ROOT: &str = "a root of degree n is written `x^(1/n)`";
+
+/// The hint at the sign around a formula in LaTeX.
+const NO_DOLLARS: &str = "formulas have no `$` around them";
+
 /// Returns the error of a run of characters that begin no token.
 fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
     let text = span.text(source);
@@ -43,7 +49,8 @@ fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
         let fix = Fix::change(Span::new(span.start, span.start + 1), "#", true);
         return diagnostic.with_hint(COMMENT).with_fix(fix.with_all());
     }
-    if let Some(text) = equivalent(first).filter(|_| single) {
+    let is_mixed_number = first == '½' && before.ends_with(|c: char| c.is_ascii_digit());
+    if let Some(text) = equivalent(first).filter(|_| single && !is_mixed_number) {
         let (before, after) = (&source[..span.start as usize], &source[span.end as usize..]);
         let written = foreign::apart(before, text, after);
         diagnostic = diagnostic.with_fix(Fix {
@@ -71,6 +78,11 @@ pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
             span,
             format!("number out of range: {number} is larger than 1.797e308"),
         ),
+        Fault::LonePoint if source[span.end as usize..].starts_with(['^', '*', '/']) => {
+            let message = "a `.` cannot be used here: operators have no point before them";
+            Diagnostic::error(codes::BAD_NUMBER, span, message)
+                .with_fix(Fix::remove(span, span.text(source)).with_all())
+        }
         Fault::LonePoint | Fault::Character(_) => Diagnostic::error(
             codes::BAD_NUMBER,
             span,
@@ -134,6 +146,9 @@ fn substitute(character: char) -> Option<&'static str> {
         'π' => "write `pi`",
         'τ' => "write `(2pi)`",
         '½' => "write `(1/2)`",
+        '⅓' => "write `(1/3)`",
+        '¼' => "write `(1/4)`",
+        '¾' => "write `(3/4)`",
         '°' => "angles are in radians: 30° is `30pi/180`",
         '∞' => "an interval has two ends: write a large number",
         '⁰' | '¹' | '⁴'..='⁹' | '⁺' | '⁻' => "an exponent follows `^`: `x^-1`",
@@ -184,6 +199,9 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         match first {
             '\\' if let Some((hint, written)) = foreign::latex(text) => {
                 diagnostic = diagnostic.with_hint(hint);
+                if hint == NO_CONDITIONS {
+                    return self.report_alone(diagnostic);
+                }
                 diagnostic
                     .fixes
                     .extend(written.map(|written| match written {
@@ -223,25 +241,38 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                         false => written,
                     }
                 };
-                let magnitude = written("abs", " ");
-                let fix = Fix::change(span, &magnitude, self.state.is_of_space);
-                diagnostic = match self.state.is_of_space {
-                    true => diagnostic
-                        .with_hint(format!("write {}", quote(&magnitude)))
-                        .with_fix(fix.with_all()),
-                    false => diagnostic.with_fix(fix),
+                let is_vector =
+                    text.starts_with("||") || inside.starts_with('(') && inside.contains(',');
+                let (magnitude, length) = (written("abs", " "), written("sqrt*", ""));
+                let certain = match (is_vector, self.state.is_of_space) {
+                    (true, _) => Some(&length),
+                    (false, true) => Some(&magnitude),
+                    (false, false) => None,
+                };
+                diagnostic = match certain {
+                    Some(certain) => diagnostic
+                        .with_hint(format!("write {}", quote(certain)))
+                        .with_fix(Fix::change(span, certain, true).with_all()),
+                    None => diagnostic.with_fix(Fix::change(span, &magnitude, false)),
                 };
                 let may_be_vector = inside.contains(|c: char| c.is_ascii_alphabetic());
-                if !self.state.is_of_space && may_be_vector {
-                    let length = Fix::change(span, &written("sqrt*", ""), false);
-                    diagnostic = diagnostic.with_fix(length);
+                if certain.is_none() && may_be_vector {
+                    diagnostic = diagnostic.with_fix(Fix::change(span, &length, false));
                 }
             }
-            '⟨' => {
-                self.report(diagnostic);
-                self.state.quiet = true;
-                self.state.rejected = true;
-                return;
+            '\\' if !self.state.is_of_space => {
+                let behind = &self.source[span.end as usize..];
+                if behind.starts_with("sqrt[") {
+                    return self.report_alone(diagnostic.with_hint(ROOT));
+                }
+                if behind.starts_with(|c: char| c.is_ascii_alphabetic()) {
+                    diagnostic = diagnostic.with_fix(Fix::remove(span, text).with_all());
+                }
+            }
+            '$' => return self.report_alone(diagnostic.with_hint(NO_DOLLARS)),
+            '⟨' => return self.report_alone(diagnostic),
+            '<' if self.source[span.start as usize..].starts_with("<!--") => {
+                return self.report_alone(diagnostic.with_hint(COMMENT));
             }
             '∈' if matches!(
                 self.state.keyword,
@@ -351,7 +382,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     pub(super) fn latex_command(&self, backslash: Span) -> Option<Span> {
         let rest = &self.source[backslash.start as usize..];
         let length = rest.strip_prefix('\\')?;
-        let length = length.find(|c: char| !c.is_ascii_alphanumeric());
+        let length = length.find(|c: char| !c.is_ascii_alphabetic());
         let command = &rest[..1 + length.unwrap_or(rest.len() - 1)];
         foreign::latex(command)?;
         Some(Span::new(
@@ -464,8 +495,10 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         if is_set || is_behind_value {
             return None;
         }
-        let inside = foreign::between_bars(&self.source[bar.start as usize..])?;
-        Some(Span::new(bar.start, bar.end + inside.len() as u32 + 1))
+        let text = &self.source[bar.start as usize..];
+        let inside = foreign::between_bars(text)?;
+        let bars = if text.starts_with("||") { 4 } else { 2 };
+        Some(Span::new(bar.start, bar.start + inside.len() as u32 + bars))
     }
 
     /// Returns true if the sign `>` ends an arrow `->`.
@@ -518,7 +551,12 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
 
     /// Reports a sign of a condition as the only report of its declaration.
     fn report_condition(&mut self, diagnostic: Diagnostic) {
-        self.report(diagnostic.with_hint(NO_CONDITIONS));
+        self.report_alone(diagnostic.with_hint(NO_CONDITIONS));
+    }
+
+    /// Reports what makes the rest of its declaration unreadable.
+    fn report_alone(&mut self, diagnostic: Diagnostic) {
+        self.report(diagnostic);
         self.state.quiet = true;
         self.state.rejected = true;
     }

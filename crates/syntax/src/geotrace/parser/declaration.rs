@@ -66,10 +66,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.flagged |= flagged;
         }
         let unworded = match following {
-            _ if !is_free => None,
+            _ if !is_free || foreign::style(text).is_some() => None,
             // `Curve(cos(t), sin(t), t)` of another language has no name and no parameters.
             Some(b'(') if lowercase_keyword(text).is_some() => None,
             Some(b'=') => Some(DeclarationKeyword::Define),
+            Some(b':')
+                if self.source[word.end as usize..]
+                    .trim_start()
+                    .starts_with(":=") =>
+            {
+                Some(DeclarationKeyword::Define)
+            }
             Some(b'(') => Some(DeclarationKeyword::Function),
             _ => None,
         };
@@ -271,12 +278,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.state.name,
             value.text(self.source)
         );
-        let diagnostic = self
-            .expected_diagnostic("`:` and an interval after the param's value")
-            .with_hint(format!(
+        let diagnostic = self.expected_diagnostic("`:` and an interval after the param's value");
+        let diagnostic = match self.is_decimal_comma() {
+            true => self.with_decimal_point(diagnostic),
+            false => diagnostic.with_hint(format!(
                 "write {}, or use `define` for a constant",
                 quote(&form)
-            ));
+            )),
+        };
         Err(self.reject(diagnostic))
     }
 
@@ -287,6 +296,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         wanted: TokenKind,
         what: &str,
     ) -> Result<(), Stop> {
+        let expected = format!("{what} after the name");
+        if wanted == TokenKind::Equals
+            && let Some(sign) = self.foreign_equals()
+        {
+            return Err(self.reject_sign(&expected, sign, "="));
+        }
         if self.current.kind == wanted {
             self.advance(Mode::Expression);
             return Ok(());
@@ -509,11 +524,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// `"=" EXPR` over the parameters.
     fn body(&mut self) -> Result<(), Stop> {
+        if let Some(sign) = self.foreign_equals() {
+            return Err(self.reject_sign("`=` after the parameters", sign, "="));
+        }
         if self.current.kind != TokenKind::Equals {
             let rest = &self.source[self.current.span.start as usize..];
-            let signs = ["->", ":=", ":"].into_iter();
-            if let Some(arrow) = { signs }.find(|it| rest.starts_with(it)) {
-                return Err(self.reject_arrow(arrow));
+            if let Some(sign) = ["->", ":"].into_iter().find(|it| rest.starts_with(it)) {
+                return Err(self.reject_sign("`=` after the parameters", sign, "="));
             }
             return Err(self.expected("`=` after the parameters"));
         }
@@ -524,15 +541,22 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Rejects a sign of another language in place of `=`.
+    /// Returns the sign `:=`, `==` or `=>` of other languages, if it begins at the current token.
+    fn foreign_equals(&self) -> Option<&'static str> {
+        let rest = &self.source[self.current.span.start as usize..];
+        let signs = [":=", "==", "=>"];
+        signs.into_iter().find(|sign| rest.starts_with(sign))
+    }
+
+    /// Rejects a sign of another language, with its equivalent.
     #[cold]
-    fn reject_arrow(&mut self, sign: &str) -> Stop {
+    fn reject_sign(&mut self, expected: &str, sign: &str, written: &str) -> Stop {
         let start = self.current.span.start;
         let place = Span::new(start, start + sign.len() as u32);
-        let message = format!("expected `=` after the parameters, found `{sign}`");
+        let message = format!("expected {expected}, found `{sign}`");
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
-            .with_hint("write `=`")
-            .with_fix(Fix::change(place, "=", true).with_all());
+            .with_hint(format!("write `{written}`"))
+            .with_fix(Fix::change(place, written, true).with_all());
         let stop = self.reject(diagnostic);
         self.state.quiet = true;
         stop

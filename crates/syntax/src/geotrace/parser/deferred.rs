@@ -144,8 +144,13 @@ impl Undefined {
             let end = diagnostic.span.end;
             let split = self.word.len() < self.whole.len();
             let words = [Some(&self.whole), split.then_some(&self.word)];
+            let front = self.whole.strip_suffix(&self.word).unwrap_or_default();
             let found = words.into_iter().flatten().find_map(|word| {
                 let name = around.nearest(self.parameters.as_ref(), word, self.offset)?;
+                if name == front {
+                    // `cosx` is `cos x`: the rest is the mistake.
+                    return None;
+                }
                 Some((Span::new(end - word.len() as u32, end), name))
             });
             if let Some((span, name)) = found {

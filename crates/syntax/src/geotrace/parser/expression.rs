@@ -165,6 +165,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if !self.starts_operand() {
             return Err(self.missing_argument(id, function));
         }
+        if self.is_empty_list_of_faulty(id) {
+            self.state.faulty = true;
+            self.state.silent = true;
+            self.state.rejected = true;
+        }
         if self.opens_bracket() && self.current.span.start == function.end {
             let bracket = self.current.span.start;
             self.lints.touching = Some(Touching { function, bracket });
@@ -172,7 +177,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let operand = self.unary()?;
         let span = function.to(operand);
         self.operator(Operator::Apply, span);
-        if self.current.kind == TokenKind::ParenOpen && self.current.span.start == operand.end {
+        if self.opens_bracket() && self.current.span.start == operand.end {
             self.warn_root(function, operand);
         }
         if matches!(
@@ -182,6 +187,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.lints.argument = Some(Argument { function, operand });
         }
         Ok(span)
+    }
+
+    /// Returns true at `()` after a function whose declaration lacks parameters, which has been reported: `function f() = 3;`.
+    fn is_empty_list_of_faulty(&self, id: SymbolId) -> bool {
+        let symbol = self.parsed.symbol(id);
+        let is_empty = symbol.faulty && symbol.parameters.is_empty();
+        let token = self.current;
+        is_empty
+            && token.kind == TokenKind::ParenOpen
+            && self.following(token.span.end) == Some(b')')
     }
 
     /// Reads the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.

@@ -5,6 +5,7 @@
 
 use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::symbols::NO_CONDITIONS;
 
 /// An interval in another notation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,7 @@ pub(super) fn style(word: &str) -> Option<&'static str> {
 
 /// Returns the sign that begins a comment in another language, if the text begins with one.
 pub(super) fn comment(text: &str) -> Option<&'static str> {
-    let signs = ["//", "/*", "%", "--"];
+    let signs = ["//", "/*", "(*", "<!--", "%", "--"];
     signs.into_iter().find(|sign| text.starts_with(sign))
 }
 
@@ -193,14 +194,30 @@ pub(super) fn colour(text: &str) -> Option<(usize, String)> {
     Some((1 + digits.len(), format!("({})", parts?.join(", "))))
 }
 
-/// Returns the text between the bars of `|x|` at the start of a text, if it has one line and no comma.
+/// Returns the text between the bars of `|x|` or `||x||` at the start of a text, if it has one line and no comma outside
+/// brackets.
 pub(super) fn between_bars(text: &str) -> Option<&str> {
     let inside = text.strip_prefix('|')?;
-    let end = inside.find(['|', ',', ';', '\n', '#'])?;
-    let (inside, behind) = inside.split_at(end);
-    let opened = inside.matches('(').count();
-    let is_whole = opened == inside.matches(')').count();
-    (behind.starts_with('|') && is_whole && !inside.trim().is_empty()).then_some(inside)
+    if inside.starts_with('|') {
+        let between = between_bars(inside)?;
+        let behind = &inside[between.len() + "||".len()..];
+        return behind.starts_with('|').then_some(between);
+    }
+    let mut depth = 0;
+    for (at, sign) in inside.char_indices() {
+        match sign {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            '|' => {
+                let inside = &inside[..at];
+                return (depth == 0 && !inside.trim().is_empty()).then_some(inside);
+            }
+            ',' if depth == 0 => return None,
+            ';' | '\n' | '#' => return None,
+            _ => {}
+        }
+    }
+    None
 }
 
 /// Returns the vector for an angle before or after a coordinate axis: `pi/2 (0, 0, 1)`.
@@ -239,6 +256,7 @@ pub(super) fn latex(command: &str) -> Option<(&'static str, Option<&'static str>
         "times" => ("write `*`", Some("*")),
         "frac" | "dfrac" | "tfrac" => ("a fraction is written `a/b`", None),
         "left" | "right" => ("remove it", Some("")),
+        "begin" | "end" => (NO_CONDITIONS, None),
         _ => return None,
     })
 }
@@ -479,6 +497,8 @@ mod tests {
     #[test]
     fn bars_around_a_term_are_found() {
         assert_eq!(between_bars("|x - (y)| + 1"), Some("x - (y)"));
+        assert_eq!(between_bars("|(x, y)|"), Some("(x, y)"));
+        assert_eq!(between_bars("||v|| x|"), Some("v"));
         for text in ["|x", "||", "| |", "|x, y|", "|(x|", "x|y|"] {
             assert_eq!(between_bars(text), None, "{text}");
         }

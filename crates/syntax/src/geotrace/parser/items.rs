@@ -219,10 +219,20 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     .state
                     .keyword
                     .is_some_and(DeclarationKeyword::has_domain);
-                return Err(self.expected(match has_domain {
+                let mut diagnostic = self.expected_diagnostic(match has_domain {
                     true => "the name of a parameter and its interval",
                     false => "an attribute",
-                }));
+                });
+                if matches!(self.current.kind, TokenKind::Number(_))
+                    && let Some((word, _)) = self.state.attributes.last()
+                {
+                    let hint = format!(
+                        "a vector is written in brackets: `{} : (a, b, c)`",
+                        word.text()
+                    );
+                    diagnostic = diagnostic.with_hint(hint);
+                }
+                return Err(self.reject(diagnostic));
             }
         };
         if tag.is_some() {

@@ -80,6 +80,9 @@ impl LintState {
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reports a warning. `written` are unambiguous texts for the possible readings, for fixes.
     pub(super) fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
+        if self.state.quiet {
+            return;
+        }
         let fixes = written.iter().map(|text| Fix::write(span, text));
         self.warn_with(span, message, hint, fixes.collect());
     }
@@ -330,7 +333,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let is_single = text
             .bytes()
             .all(|byte| byte.is_ascii_alphanumeric() || byte == b'.');
-        if is_single || is_bracket(text) {
+        // Powers of powers are grouped from the right, as in the language of this sign.
+        if is_single || is_bracket(text) || text.contains("**") {
             let hint = "write `^` for a power, or `* *` if that is meant".to_owned();
             self.warn(stars, message, hint, &["^", "* *"]);
             return;
@@ -339,7 +343,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let fixes = [format!("({text})^"), format!("{text}* *")];
         let hint = format!(
             "write {} for a power, or `* *` if that is meant",
-            quote(&fixes[0])
+            quote(&format!("({text})^…"))
         );
         let place = base.to(stars);
         let fixes = fixes.iter().map(|text| Fix::write(place, text)).collect();

@@ -42,6 +42,9 @@ const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in bracke
 /// The hint at a comment of another language.
 pub(super) const COMMENT: &str = "a comment begins with `#`";
 
+/// The hint at a `'` behind something else than a function.
+pub(super) const DERIVATIVE: &str = "only a function has a derivative: write `f' x`, not `(f x)'`";
+
 /// The hint at a loop of another language.
 const LOOPS: &str = "there are no loops: a `grid` draws an object once for each of its values: `grid k : [0, 1, 5];`";
 
@@ -123,6 +126,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let bound = foreign::first_item(behind).trim();
         let item = &rest[..rest.len() - behind.len() + foreign::first_item(behind).len()];
         let place = Span::new(start, start + item.len() as u32);
+        let next = self.source[place.end as usize..].trim_start();
+        let end = next.find(|c: char| !c.is_ascii_alphanumeric());
+        let word = &next[..end.unwrap_or(next.len())];
+        let is_end = next.is_empty() || DeclarationKeyword::from_text(word).is_some();
+        if !is_end && !next.starts_with([';', ',']) {
+            // The equation goes on in the next line.
+            return diagnostic.with_hint(SOLID);
+        }
         let is_plain = bound
             .chars()
             .all(|c| c.is_ascii_alphanumeric() || ".^_".contains(c));
@@ -386,14 +397,29 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         diagnostic.fixes.extend(fix.map(Fix::with_all));
         self.reject(diagnostic);
+        self.state.quiet = true;
     }
 
     /// Returns true at a `,` that touches the numbers on both sides.
-    fn is_decimal_comma(&self) -> bool {
+    pub(super) fn is_decimal_comma(&self) -> bool {
         let comma = self.current.span;
-        matches!(self.previous.kind, TokenKind::Number(_))
+        self.current.kind == TokenKind::Comma
+            && matches!(self.previous.kind, TokenKind::Number(_))
             && self.previous.span.end == comma.start
             && is_last_digits(&self.source[comma.end as usize..])
+    }
+
+    /// Returns the error of the current comma, which is the sign in a number.
+    pub(super) fn with_decimal_point(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let fix = Fix::change(self.current.span, ".", true);
+        diagnostic.with_hint(DECIMAL).with_fix(fix)
+    }
+
+    /// Returns true if a name and a `=` follow the current token.
+    fn is_before_name(&self) -> bool {
+        let rest = self.source[self.current.span.end as usize..].trim_start();
+        let behind = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+        rest.starts_with(|c: char| c.is_ascii_alphabetic()) && behind.trim_start().starts_with('=')
     }
 
     /// Returns a hint if a parameter and the sign of a comparison follow the current token.
@@ -469,9 +495,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 ))
             }
             TokenKind::Comma if self.is_decimal_comma() => {
-                let fix = Fix::change(self.current.span, ".", true);
-                let diagnostic = self.expected_diagnostic("`;`").with_hint(DECIMAL);
-                diagnostic.with_fix(fix)
+                self.with_decimal_point(self.expected_diagnostic("`;`"))
             }
             TokenKind::Comma
                 if keyword == DeclarationKeyword::Solid
@@ -479,7 +503,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             {
                 // The sign of the comparison is part of this report.
                 self.state.quiet = true;
-                self.expected_diagnostic("`;`").with_hint(hint)
+                let diagnostic = self.expected_diagnostic("`;`").with_hint(hint);
+                let behind = &self.source[self.current.span.end as usize..];
+                let start = (self.source.len() - behind.trim_start().len()) as u32;
+                match foreign::interval(behind.trim_start()) {
+                    Some(found) => {
+                        let place = Span::new(start, start + found.text.len() as u32);
+                        diagnostic.with_fix(Fix::change(place, &found.written(), true))
+                    }
+                    None => diagnostic,
+                }
             }
             TokenKind::Comma if keyword == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
@@ -499,6 +532,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 let diagnostic = self.expected_diagnostic("`;`");
                 diagnostic.with_hint(hint).with_fix(fix.with_all())
             }
+            TokenKind::Comma if self.is_before_name() => {
+                self.state.quiet = true;
+                let hint = format!("each declaration has one name: write `; {} …`", keyword.text());
+                self.expected_diagnostic("`;`").with_hint(hint)
+            }
             TokenKind::Comma => self
                 .expected_diagnostic("`;`")
                 .with_hint("a tuple is written in brackets: `(1, 2)`"),
@@ -507,7 +545,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 .with_hint("a position follows `@` in a `vector`, a `geodesic`, a `light`, a `camera` and a set"),
             TokenKind::Prime => self
                 .expected_diagnostic("`;`")
-                .with_hint("only a function has a derivative: write `f' x`, not `(f x)'`"),
+                .with_hint(DERIVATIVE),
             _ => self.expected_diagnostic("`;`"),
         };
         self.reject(diagnostic)

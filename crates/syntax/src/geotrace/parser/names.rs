@@ -1,7 +1,7 @@
 //! Words: the token that a word forms in its context, new names, and the reports of undefined words.
 
 use super::deferred::{Deferred, Undefined};
-use super::messages::quote;
+use super::messages::{COMMENT, quote};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop};
 use crate::diagnostic::{Diagnostic, Fix};
@@ -10,7 +10,9 @@ use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexeme, Word};
-use crate::geotrace::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, Symbol, SymbolKind};
+use crate::geotrace::symbols::{
+    ForeignWord, MAX_NAME_LENGTH, NO_CONDITIONS, NameScope, Symbol, SymbolKind,
+};
 use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -56,7 +58,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     return (word.rest.len(), TokenKind::Declare(keyword));
                 }
                 // A `;` is missing, if no name begins the word.
-                let (length, kind) = expression_word(parsed, state, word);
+                let (length, kind) = expression_word(parsed, state, source, word);
                 if kind == TokenKind::Undefined {
                     parsed.record_prefix_lookup(word.rest, word.start, length, kind);
                     return (length, TokenKind::Declare(keyword));
@@ -81,7 +83,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                         parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
                         return (word.rest.len(), TokenKind::Function(id));
                     }
-                    let (length, kind) = expression_word(parsed, state, word);
+                    let (length, kind) = expression_word(parsed, state, source, word);
                     if length < word.rest.len() && !S::IS_CHUNK {
                         lints.record_split(word, length);
                     }
@@ -322,7 +324,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let span = self.current.span;
         let word = span.text(self.source);
         let known = &self.state.undefined;
-        if known.len() >= MAX_UNDEFINED || known.contains(&word) {
+        if self.state.quiet || known.len() >= MAX_UNDEFINED || known.contains(&word) {
+            return;
+        }
+        if self.is_behind_backslash(span) {
+            return;
+        }
+        if let Some(diagnostic) = self.word_of_sign(span) {
+            self.reject(diagnostic);
             return;
         }
         if self.is_differential(word) && known.iter().any(|word| self.is_differential(word)) {
@@ -357,6 +366,19 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let form = self
             .field_form()
             .or_else(|| self.without_module(word == whole));
+        if own.as_deref() == Some(COMMENT)
+            && let Some(sign) = self.comment_before(span)
+        {
+            let line = self.source[span.end as usize..].lines().next();
+            let is_line = sign.text(self.source) == "//";
+            // Otherwise the rest of the declaration follows it.
+            if is_line && !line.is_some_and(|line| line.contains(';')) {
+                diagnostic = diagnostic.with_fix(Fix::change(sign, "#", true));
+            }
+        }
+        if let Some(fix) = self.comma_before_attribute(whole_span) {
+            diagnostic = diagnostic.with_fix(fix);
+        }
         if let Some((hint, fix)) = form.filter(|_| own.is_none()) {
             own = Some(hint);
             diagnostic = diagnostic.with_fix(fix);
@@ -364,15 +386,62 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let replacement = equivalent
             .filter(|_| own.is_none())
             .and_then(|(length, it)| Some((length, it.replacement?)));
+        let hint = own.or_else(|| Some(equivalent?.1.hint.to_owned()));
+        if matches!(hint.as_deref(), Some(NO_CONDITIONS | COMMENT)) {
+            // What follows `if` or `//` is no expression here.
+            self.state.quiet = true;
+            self.state.rejected = true;
+        }
         let undefined = Undefined {
             whole: whole.to_owned(),
             word: word.to_owned(),
             offset: span.start,
-            hint: own.or_else(|| Some(equivalent?.1.hint.to_owned())),
+            hint,
             replacement,
             parameters: (self.state.in_body).then(|| self.state.parameter_trie.clone()),
         };
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
+    }
+
+    /// Returns the place of `//` or `/*`, if it precedes a word.
+    fn comment_before(&self, word: Span) -> Option<Span> {
+        let front = self.source[..word.start as usize].trim_end();
+        let opens = front.ends_with("//") || front.ends_with("/*");
+        let end = front.len() as u32;
+        opens.then(|| Span::new(end - 2, end))
+    }
+
+    /// Returns true after the backslash of a command of LaTeX, which has been reported.
+    fn is_behind_backslash(&self, word: Span) -> bool {
+        let before = &self.source[..word.start as usize];
+        before.ends_with('\\') && !self.state.in_set
+    }
+
+    /// Returns the error of an undefined word in place of a sign: `param r = 1 in [0, 2];`, `vector v = d at p;`.
+    fn word_of_sign(&self, word: Span) -> Option<Diagnostic> {
+        let next = self.following(word.end)?;
+        let (sign, what) = match (self.state.keyword?, word.text(self.source)) {
+            (DeclarationKeyword::Param, "in") if matches!(next, b'[' | b'(') => {
+                (":", "`:` and an interval after the param's value")
+            }
+            (DeclarationKeyword::Vector, "at") => ("@", "`@` and the vector's origin"),
+            (DeclarationKeyword::Camera, "at") => ("@", "`@` and the camera's position"),
+            _ => return None,
+        };
+        let diagnostic = self.expected_diagnostic(what);
+        Some(
+            diagnostic
+                .with_hint(format!("write `{sign}`"))
+                .with_fix(Fix::change(word, sign, true).with_all()),
+        )
+    }
+
+    /// Returns the fix of a missing comma, if a word is an attribute before its `:`.
+    fn comma_before_attribute(&self, word: Span) -> Option<Fix> {
+        let is_attribute = AttributeWord::from_text(word.text(self.source)).is_some();
+        let is_stated = is_attribute && self.following(word.end) == Some(b':');
+        let end = self.source[..word.start as usize].trim_end().len() as u32;
+        is_stated.then(|| Fix::insert("Insert `,`", end, ",").with_all())
     }
 
     /// Returns, as a hint, the name without the module that the current token, an undefined word, stands for: `math.pi`.
@@ -424,7 +493,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let known = self.foreign_word(denominator, false);
         let is_known = self.state.parameter_trie.get(variable).is_some()
             || known.is_some_and(|it| it.hint == derivative);
-        let is_quotient = is_known && numerator.len() > 1 && numerator.starts_with('d');
+        let is_quotient = is_known && numerator.starts_with('d');
         is_quotient.then_some(numerator)
     }
 
@@ -438,6 +507,9 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// Returns the hint for an undefined word that is not declared below, as far as it follows from the declaration
     /// alone.
     fn undefined_hint(&self, whole: &str, word: &str) -> Option<String> {
+        if word == whole && self.comment_before(self.current.span).is_some() {
+            return Some(COMMENT.to_owned());
+        }
         let name = self.state.name;
         if !name.is_empty() && (word == name || whole == name) {
             return Some(if self.state.parameters.is_empty() {
@@ -489,10 +561,6 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 "an attribute follows a `,`: write {}",
                 quote(&format!(", {whole} : …"))
             ));
-        }
-        let front = self.source[..self.current.span.start as usize].trim_end();
-        if word == whole && front.ends_with("//") {
-            return Some("a comment begins with `#`".to_owned());
         }
         let after_number = matches!(self.previous.kind, TokenKind::Number(_));
         let touches = self.previous.span.end == self.current.span.start;
@@ -606,18 +674,20 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
 fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationKeyword> {
     let keyword = DeclarationKeyword::from_text(word.rest)?;
     let is_candidate = keyword.is_soft() && word.is_whole();
-    let behind = &source[word.start as usize + word.rest.len()..];
-    let is_followed = || {
-        let behind = behind.trim_start_matches([' ', '\t', '\r', '\n']);
-        behind.starts_with(|c: char| c.is_ascii_alphabetic())
-    };
     let counts = is_candidate
         && match mode {
             Mode::Start => true,
             Mode::ParameterOf(_) | Mode::Item => false,
-            _ => is_followed(),
+            _ => is_before_word(source, word),
         };
     counts.then_some(keyword)
+}
+
+/// Returns true if a word follows this one.
+fn is_before_word(source: &str, word: Word<'_>) -> bool {
+    let behind = &source[word.start as usize + word.rest.len()..];
+    let behind = behind.trim_start_matches([' ', '\t', '\r', '\n']);
+    behind.starts_with(|c: char| c.is_ascii_alphabetic())
 }
 
 /// Returns the keyword that a word is in any context.
@@ -629,10 +699,18 @@ fn hard_keyword(word: Word<'_>) -> Option<DeclarationKeyword> {
 fn expression_word(
     parsed: &impl NameScope,
     state: &DeclarationState<'_>,
+    source: &str,
     word: Word<'_>,
 ) -> (usize, TokenKind) {
     if let Some(declaring) = hard_keyword(word) {
-        return (word.rest.len(), TokenKind::Declare(declaring));
+        let kind = match state.parameter_trie.get(word.rest) {
+            // It has been reported in the list of parameters.
+            Some(parameter) if state.in_body && !is_before_word(source, word) => {
+                TokenKind::Variable(parameter)
+            }
+            _ => TokenKind::Declare(declaring),
+        };
+        return (word.rest.len(), kind);
     }
     let symbol = parsed.longest_prefix(word.rest);
     if state.in_body
