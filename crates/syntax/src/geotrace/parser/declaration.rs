@@ -17,6 +17,15 @@ use crate::symbol::SymbolId;
 /// A geodesic as written.
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
+/// Returns the keyword that begins a word, if the rest of the word may be a name.
+fn joined_keyword(word: &str) -> Option<DeclarationKeyword> {
+    let mut all = DeclarationKeyword::ALL.into_iter();
+    all.find(|keyword| {
+        let rest = word.strip_prefix(keyword.text());
+        !keyword.is_soft() && rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_alphabetic()))
+    })
+}
+
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reads a declaration whose keyword is the current token. This depends only on the names defined above it, and
     /// leaves the parser at the token after it.
@@ -47,6 +56,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             .or_else(|| foreign::keyword(text, self.is_head(word.end)))
             .filter(|_| is_word && following.is_some_and(|byte| byte.is_ascii_alphabetic()));
         let is_free = is_word && self.parsed.get(text).is_none();
+        let joined = is_free
+            .then(|| joined_keyword(text))
+            .flatten()
+            .filter(|_| matches!(following, Some(b'(' | b'=' | b':')));
         if is_word {
             let found = self
                 .parsed
@@ -80,6 +93,15 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             Some(b'(') => Some(DeclarationKeyword::Function),
             _ => None,
         };
+        if let Some(keyword) = joined {
+            let start = Span::new(word.start, word.start + keyword.text().len() as u32);
+            self.reject_joined(keyword, Span::new(start.end, word.end));
+            self.actions.act_declaration_start(keyword, start);
+            self.lexer.rewind(start.end);
+            self.fetch(Mode::Name);
+            self.declaration_from_name(keyword, start);
+            return;
+        }
         self.reject_opening(text, guess, unworded);
         match (guess, unworded) {
             (Some(word), _) => self.declaration_with_keyword(word),
@@ -98,6 +120,19 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 }
             }
         }
+    }
+
+    /// Rejects a keyword without a space before the name.
+    fn reject_joined(&mut self, keyword: DeclarationKeyword, name: Span) {
+        let message = format!("expected a declaration, found {}", self.found());
+        let form = quote(&format!("{} {}", keyword.text(), name.text(self.source)));
+        let diagnostic = self
+            .here(codes::EXPECTED_DECLARATION, message)
+            .with_hint(format!("write {form}"))
+            .with_fix(Fix::insert("Insert a space", name.start, " ").with_all());
+        self.reject(diagnostic);
+        // What follows is read as a declaration.
+        self.state = DeclarationState::default();
     }
 
     /// Returns true if a name and an opening bracket follow at an offset.

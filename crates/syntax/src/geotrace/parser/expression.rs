@@ -100,7 +100,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             if [sign.kind, next.kind] == [TokenKind::Slash; 2] && sign.span.end == next.span.start {
                 self.warn_slashes(sign.span);
             }
-            let argument = self.argument_of_one(sign.span);
+            let argument = self.argument_before_slash(sign.span);
             if sign.kind == TokenKind::Slash && matches!(next.kind, TokenKind::Number(_)) {
                 self.warn_fraction_of_power(sign.span, next.span);
             }
@@ -174,9 +174,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let bracket = self.current.span.start;
             self.lints.touching = Some(Touching { function, bracket });
         }
+        let sign = self.spaced_operator();
         let operand = self.unary()?;
         let span = function.to(operand);
         self.operator(Operator::Apply, span);
+        if let Some(sign) = sign {
+            self.warn_operator_behind(function, sign, operand);
+        }
         if self.opens_bracket() && self.current.span.start == operand.end {
             self.warn_root(function, operand);
         }
@@ -187,6 +191,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.lints.argument = Some(Argument { function, operand });
         }
         Ok(span)
+    }
+
+    /// Returns the current token if it is an operator between blanks.
+    fn spaced_operator(&self) -> Option<Span> {
+        self.prefix_operator()?;
+        let sign = self.current.span;
+        let is_blank = |at: Option<&u8>| at.is_some_and(u8::is_ascii_whitespace);
+        let bytes = self.source.as_bytes();
+        let before = (sign.start as usize).checked_sub(1)?;
+        (is_blank(bytes.get(before)) && is_blank(bytes.get(sign.end as usize))).then_some(sign)
     }
 
     /// Returns true at `()` after a function whose declaration lacks parameters, which has been reported: `function f() = 3;`.

@@ -140,7 +140,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let looks_joined = match (is_number, between) {
             (true, "") => !matches!(self.current.kind, TokenKind::Undefined | TokenKind::Error),
             (true, between) => is_value && between.bytes().all(|byte| byte == b' '),
-            (false, between) => is_value && between.is_empty(),
+            (false, "") => is_value,
+            // Nobody means a factor sin π.
+            (false, between) => {
+                let is_pi = self.previous.span.text(self.source) == "pi";
+                is_value && is_pi && between.bytes().all(|byte| byte == b' ')
+            }
         };
         // The whole of `f_xyz` has been warned about.
         let is_known = operand.end <= self.lints.derivative_end;
@@ -418,23 +423,45 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_of_reading(place, written, &meant, &read);
     }
 
-    /// `sin 1/`: returns the application of a function to the number 1 that is followed by a slash.
-    pub(super) fn argument_of_one(&self, slash: Span) -> Option<Argument> {
+    /// `sin 1/` and `sin pi/`: returns the application of a function to the number that is followed by a slash.
+    pub(super) fn argument_before_slash(&self, slash: Span) -> Option<Argument> {
         let argument = self.lints.argument?;
         let touches = argument.operand.end == slash.start && slash.text(self.source) == "/";
-        (touches && argument.operand.text(self.source) == "1").then_some(argument)
+        let is_numerator = matches!(argument.operand.text(self.source), "1" | "pi");
+        (touches && is_numerator).then_some(argument)
     }
 
-    /// `sin 1/x`: looks as if the fraction were the operand.
+    /// `sin 1/x`, `sin pi/2`: looks as if the fraction were the operand.
     #[cold]
     pub(super) fn warn_fraction_behind(&mut self, argument: Argument, divisor: Span) {
         let Argument { function, operand } = argument;
         let place = function.to(divisor);
         let name = function.text(self.source);
         let rest = Span::new(operand.end, divisor.end).text(self.source);
-        let (read, meant) = (format!("({name} 1){rest}"), format!("{name}(1{rest})"));
+        let number = operand.text(self.source);
+        let read = format!("({name} {number}){rest}");
+        let meant = format!("{name}({number}{rest})");
         let written = place.text(self.source);
         self.warn_of_reading(place, written, &meant, &read);
+    }
+
+    /// `f + h`: looks like a sum of functions, but the sign is a part of the operand. `sign` is the sign.
+    #[cold]
+    pub(super) fn warn_operator_behind(&mut self, function: Span, sign: Span, operand: Span) {
+        let name = function.text(self.source);
+        let rest = Span::new(sign.end, operand.end)
+            .text(self.source)
+            .trim_start();
+        let sign = sign.text(self.source);
+        let written = quote(&format!("{name} {sign} {rest}"));
+        let read = format!("{name}({sign}{rest})");
+        let message = format!("{written} is read as {}", quote(&read));
+        let hint = format!(
+            "write an argument after {}, or {} if that is meant",
+            quote(name),
+            quote(&read)
+        );
+        self.warn(function.to(operand), message, hint, &[&read]);
     }
 
     /// `sin^-1`: looks like the inverse function.

@@ -376,6 +376,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if let Some(guess) = guess {
             let fix = Fix::change(self.current.span, guess.text(), true);
             diagnostic = diagnostic.with_fix(fix);
+        } else if let Some(word) = unworded {
+            let word = word.text();
+            let fix = Fix::insert(
+                &format!("Insert `{word}`"),
+                self.current.span.start,
+                &format!("{word} "),
+            );
+            diagnostic = diagnostic.with_fix(fix);
         }
         self.reject(diagnostic);
     }
