@@ -31,6 +31,8 @@ const WAY_PAST_POLE: [f64; 2] = [1.0, 0.7];
 const MOST_STEP: f64 = 0.125;
 /// The maximum distance of a side of a point from its sample, as a fraction of the distance of the samples.
 const MOST_AWAY: f64 = 2.0;
+/// A curve along geodesics may jump in a step that is so many times longer than those beside it.
+const FAR_STEP: f64 = 3.0;
 /// The minimum ratio, at a break, of one comparison to the previous one, of the distance between the sides or of the distance
 /// to them.
 const STEEPEST: f64 = 0.95;
@@ -71,6 +73,66 @@ pub struct Breaks {
     position: Tape,
     /// The maximum number of cells of an instance.
     most_cells: u64,
+}
+
+/// Returns the samples of a curve along geodesics between which and the next ones it jumps: where a geodesic passes a seam of its
+/// surface, its coordinates jump. Intervals do not bound these; only steps that are far longer than those beside them are
+/// examined. `places` are the samples in any unit of length; `None` where the curve is undefined.
+pub fn jumps_along_geodesics(
+    scene: &Scene,
+    object: &Object,
+    domain: &Sampling,
+    uniforms: &[f64],
+    places: &[Option<[f64; 3]>],
+) -> Vec<u32> {
+    let step = |k: usize| match (places.get(k), places.get(k + 1)) {
+        (Some(Some(a)), Some(Some(b))) => distance(*a, *b),
+        _ => 0.0,
+    };
+    let is_far = |k: &usize| {
+        let beside = k.checked_sub(1).map_or(0.0, step).max(step(k + 1));
+        step(*k) > FAR_STEP * beside
+    };
+    let far = (0..places.len()).filter(is_far).map(|k| k as u32);
+    far.filter(|&k| {
+        let ends = [k, k + 1].map(|k| domain.value(k));
+        jumps_between(scene, object, uniforms, ends)
+    })
+    .collect()
+}
+
+/// Returns true if a curve along geodesics jumps between two of its parameters. The piece is halved where the curve moves
+/// farther.
+fn jumps_between(scene: &Scene, object: &Object, uniforms: &[f64], ends: [f64; 2]) -> bool {
+    let Some(position) = object.shape.position() else {
+        return false;
+    };
+    let tape = Tape::new(&scene.graph, position);
+    let mut registers = Registers::default();
+    let mut place = |t: f64| {
+        let variables = scene.curve_variables(&object.shape, uniforms, t);
+        let inputs = tape.inputs().iter();
+        let inputs: Vec<f64> = inputs.map(|it| it.value(&variables, uniforms)).collect();
+        let mut out = [f64::NAN; 3];
+        tape.eval(&mut registers, &inputs, &mut out);
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    };
+    let [Some(mut low), Some(mut high)] = ends.map(&mut place) else {
+        return false;
+    };
+    let whole = distance(low, high);
+    let [mut from, mut to] = ends;
+    for _ in 0..HALVINGS[0] {
+        let t = 0.5 * (from + to);
+        let Some(middle) = place(t) else {
+            return false;
+        };
+        match distance(low, middle) > distance(middle, high) {
+            true => (to, high) = (t, middle),
+            false => (from, low) = (t, middle),
+        }
+    }
+    distance(low, high) > MOST_STEP * whole
 }
 
 impl Breaks {

@@ -19,7 +19,7 @@ mod polyline_cache;
 mod solid_surface;
 pub mod solids;
 
-pub use breaks::{Break, Breaks, Interruptions, MOST_BREAK_CELLS};
+pub use breaks::{Break, Breaks, Interruptions, MOST_BREAK_CELLS, jumps_along_geodesics};
 pub use declared::{
     FollowedGeodesic, MAX_DECLARED_EVALUATIONS, MAX_POINTS, cut_note, evaluations_per_line,
     follow_declared, follow_declared_over, lies_in_space,

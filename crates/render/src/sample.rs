@@ -14,7 +14,9 @@ use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::placement::Placement;
 use crate::point::{DrawingPoint, WorldPoint};
-use geometry::{Breaks, FollowedGeodesic, Knot, follow_declared, lies_in_space};
+use geometry::{
+    Breaks, FollowedGeodesic, Knot, follow_declared, jumps_along_geodesics, lies_in_space,
+};
 use rayon::prelude::*;
 
 mod sampler;
@@ -298,6 +300,19 @@ pub fn sample(
                     }
                     for [i, _] in found.poles {
                         samples[i as usize] = PositionSample::default();
+                    }
+                });
+            }
+            if !object.shape.followed().is_empty() {
+                let instances = samples.par_chunks_mut(domain.count as usize).enumerate();
+                instances.for_each(|(k, samples)| {
+                    let uniforms = params.instance(scene, object, k as u64);
+                    let places = samples.iter();
+                    let places: Vec<Option<[f64; 3]>> = places
+                        .map(|it| (it.defined != 0.0).then(|| it.position.map(f64::from)))
+                        .collect();
+                    for k in jumps_along_geodesics(scene, object, domain, &uniforms, &places) {
+                        break_behind(&mut samples[k as usize].defined);
                     }
                 });
             }

@@ -24,7 +24,8 @@ pub const VECTOR_COLOURS: [[u8; 3]; 4] = [[255, 50, 240], GREEN, ORANGE, BLUE];
 /// Curves and geodesics, sRGB, used in the order of their declarations.
 pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
 /// The colours of curves and geodesics in scenes that show curvature: none is close to the blue, white and red of its scale.
-pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [30, 30, 36]];
+/// They may also lie beside the surface, on the background.
+pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [190, 110, 0]];
 /// Points on paper, sRGB.
 pub(crate) const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
 /// Vectors on paper, sRGB, used in the order of their declarations.

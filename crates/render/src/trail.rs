@@ -125,8 +125,12 @@ impl Trail {
     }
 }
 
-/// The fraction of a wrapping side beyond which a step is one through a pole or a flip.
+/// A step by more than this fraction of one axis, between points this near to a pole of the other one, passes through the pole.
 const TURNS: f64 = 0.2;
+/// The sum of both points' distances from the pole, as a fraction of the axis that ends there.
+const NEAR_POLE: f64 = 0.1;
+/// The fraction of a side that is glued with a flip beyond which a step passes through the flip.
+const FLIPS: f64 = 0.5;
 
 /// The number of pieces of a line in space across a whole domain.
 const PIECES: f64 = 128.0;
@@ -152,9 +156,15 @@ impl<'s> ChartLine<'s> {
             if sides.of(axis)[0] == Side::Wrap {
                 step -= period * (step / period).round();
             }
-            let can_turn =
-                sides.of(axis)[0] == Side::WrapFlip || sides.of(1 - axis).contains(&Side::Pole);
-            turns |= step.abs() > TURNS * period && can_turn;
+            let flips = sides.of(axis)[0] == Side::WrapFlip && step.abs() > FLIPS * period;
+            let [low, high] = domain[1 - axis];
+            let is_near = |pole: f64| {
+                let away = (from[1 - axis] - pole).abs() + (to[1 - axis] - pole).abs();
+                away <= NEAR_POLE * (high - low)
+            };
+            let mut poles = [low, high].into_iter().zip(sides.of(1 - axis));
+            let is_at_pole = poles.any(|(pole, side)| side == Side::Pole && is_near(pole));
+            turns |= flips || is_at_pole && step.abs() > TURNS * period;
             step
         });
         Self {
@@ -192,8 +202,8 @@ impl<'s> ChartLine<'s> {
         }
     }
 
-    /// Returns its length, ∫√(E du² + 2F du dv + G dv²), by Gaussian quadrature with three nodes; that of the chord if it is
-    /// not a line of the chart.
+    /// Returns its length, ∫√(E du² + 2F du dv + G dv²), by Gaussian quadrature with three nodes for each of its pieces; that
+    /// of the chord if it is not a line of the chart.
     fn length(&self) -> f64 {
         if self.turns && self.surface.is_embedded() {
             let [a, b] = [self.from, self.to].map(|uv| self.surface.jet(uv.into()).position);
@@ -206,11 +216,15 @@ impl<'s> ChartLine<'s> {
             let [u, v] = self.step;
             (e * u * u + 2.0 * f * u * v + g * v * v).max(0.0).sqrt()
         };
-        let sum = nodes
-            .map(|(share, weight)| weight * speed(share))
-            .iter()
-            .sum::<f64>();
-        sum / 18.0
+        let pieces = f64::from(self.pieces());
+        let piece = |k: u32| -> f64 {
+            let nodes = nodes.iter();
+            nodes
+                .map(|(share, weight)| weight * speed((f64::from(k) + share) / pieces))
+                .sum()
+        };
+        let sum: f64 = (0..self.pieces()).map(piece).sum();
+        sum / (18.0 * pieces)
     }
 }
 
@@ -302,5 +316,39 @@ mod tests {
             "{walked} {}",
             trail.length
         );
+    }
+
+    #[test]
+    fn a_path_has_the_length_of_its_lines_in_the_chart() {
+        let source =
+            "surface s(u,v) = (cos u cos v, sin u cos v, sin v), u : [-pi, pi], v : [-pi/2, pi/2];
+            surface p(u,v) = (u, v, u^2), u : [-2, 2], v : [-2, 2];";
+        let scene = scene::geotrace::compile(source).scene.expect("a scene");
+        let length = |surface: usize, ends: [[f64; 2]; 2]| {
+            let id = ObjectId::new(surface);
+            let manifold = Manifold::new(&scene, id, &[]).expect("a surface");
+            Trail::through(manifold.surface(), id, ends.to_vec()).length
+        };
+        let pi = std::f64::consts::PI;
+        // Along the equator, the shorter way around; along a parallel; through a pole, in a step of a walk.
+        let parabola = 2.0 * 17f64.sqrt() + 0.5 * 4f64.asinh();
+        for (surface, ends, expected) in [
+            (0, [[0.0, 0.0], [1.3, 0.0]], 1.3),
+            (0, [[0.0, 0.0], [3.0, 0.0]], 3.0),
+            (0, [[0.0, 0.0], [4.0, 0.0]], 2.0 * pi - 4.0),
+            (0, [[0.0, 1.0], [2.5, 1.0]], 2.5 * 1f64.cos()),
+            (
+                0,
+                [[0.0, 1.55], [3.0, 1.55]],
+                2.0 * 1.55f64.cos() * 1.5f64.sin(),
+            ),
+            (1, [[-2.0, 0.0], [2.0, 0.0]], parabola),
+        ] {
+            let found = length(surface, ends);
+            assert!(
+                (found - expected).abs() < 1e-9 * expected,
+                "{ends:?}: {found}, {expected}"
+            );
+        }
     }
 }

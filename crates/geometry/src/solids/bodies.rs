@@ -10,7 +10,7 @@ use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder, is_singular};
 
 use super::attributes::{AttributeSet, NumberAttribute, evaluated};
-use crate::breaks::{Breaks, Interruptions};
+use crate::breaks::{Breaks, Interruptions, jumps_along_geodesics};
 use crate::declared::follow_declared;
 
 /// The maximum number of balls, cylinders and cones of all points, arrows and curves of a scene; the rest is not drawn.
@@ -172,7 +172,7 @@ pub(super) fn parts(
                     .as_ref()
                     .and_then(|it| it.find(&[*domain], &uniforms));
                 let Interruptions { breaks, poles } = found.unwrap_or_default();
-                let places = (0..domain.count).flat_map(|i| {
+                let places = (0..domain.count).map(|i| {
                     let t = domain.value(i);
                     let variables = scene.curve_variables(&object.shape, &uniforms, t);
                     let at = evaluated(&tape, &variables, &uniforms, DVec3::from_slice);
@@ -180,8 +180,21 @@ pub(super) fn parts(
                         let limit = finder.as_ref()?.limit(&[*domain], &uniforms, [t, 0.0]);
                         limit.map(DVec3::from_array)
                     });
-                    let at = at.filter(|_| poles.binary_search(&[i, 0]).is_err());
-                    let is_last = breaks.binary_search_by_key(&i, |it| it.first[0]).is_ok();
+                    at.filter(|_| poles.binary_search(&[i, 0]).is_err())
+                });
+                let places: Vec<Option<DVec3>> = places.collect();
+                let jumps = match object.shape.followed().is_empty() {
+                    true => Vec::new(),
+                    false => {
+                        let places: Vec<Option<[f64; 3]>> =
+                            places.iter().map(|at| at.map(|at| at.to_array())).collect();
+                        jumps_along_geodesics(scene, object, domain, &uniforms, &places)
+                    }
+                };
+                let places = (0..domain.count).zip(places).flat_map(|(i, at)| {
+                    let is_break = breaks.binary_search_by_key(&i, |it| it.first[0]).is_ok();
+                    let is_last = is_break || jumps.binary_search(&i).is_ok();
+                    let t = domain.value(i);
                     std::iter::once((t, at)).chain(is_last.then_some((t, None)))
                 });
                 body.line(places, &uniforms);

@@ -260,6 +260,9 @@ pub(super) fn unit(request: &PictureRequest) -> f32 {
 
 /// The numbers under the bar of a scale; where the surface is more curved than its ends, they say so.
 fn bar_numbers(scale: CurvatureScale) -> [String; 3] {
+    if scale.is_flat {
+        return ["", "0", ""].map(str::to_owned);
+    }
     let end = digits(scale.most);
     let [at_most, at_least] = match scale.is_clipped {
         true => ["\u{2264} ", "\u{2265} "],
@@ -347,6 +350,7 @@ mod tests {
             bar_numbers(CurvatureScale {
                 most: 25.0 / 6.0,
                 is_clipped,
+                is_flat: false,
             })
         };
         assert_eq!(numbers(false), ["−4.17", "0", "4.17"]);

@@ -43,6 +43,8 @@ pub struct CurvatureScale {
     pub most: f64,
     /// True if the curvature exceeds this somewhere; the last colour is shown there.
     pub is_clipped: bool,
+    /// True if the curvature is 0 everywhere, except for rounding: no place has another colour than that of 0.
+    pub is_flat: bool,
 }
 
 impl Texture {
@@ -173,12 +175,14 @@ fn scale(instances: &[(&dyn Surface, Vec<CurvatureSample>)], side: u32) -> Curva
         return CurvatureScale {
             most: if is_clipped { most } else { all },
             is_clipped,
+            is_flat: false,
         };
     }
     // Flat: rounding errors are white beside a curvature that would be visible.
     CurvatureScale {
         most: if least > 0.0 { least / FLAT } else { 1.0 },
         is_clipped: false,
+        is_flat: true,
     }
 }
 

@@ -274,6 +274,21 @@ fn a_curve_ends_before_a_pole_at_the_end_of_its_range() {
 }
 
 #[test]
+fn a_curve_along_a_geodesic_breaks_off_where_its_coordinates_jump() {
+    let scene = "surface s(u, v) = (cos u, sin u, v), u : [0, 2pi], v : [0, 4];
+        geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [-3, 3];";
+    for (position, expected) in [("((g(t))_1, (g(t))_2, 0)", 1), ("s(g(t))", 0)] {
+        let (_, found) = samples(&format!("{scene} curve c(t) = {position}, t : [-3, 3];"));
+        let Samples::Curves { samples, .. } = found else {
+            panic!("a curve")
+        };
+        let breaks = samples[..samples.len() - 1].iter();
+        let breaks = breaks.filter(|it| it.is_last()).count();
+        assert_eq!(breaks, expected, "{position}");
+    }
+}
+
+#[test]
 fn a_gap_in_a_formula_is_filled_with_its_limit() {
     let (bounds, found) = samples("curve c(t) = (t, sin t/t, 0), t : [-10, 10, 101];");
     let Samples::Curves { samples: curve, .. } = found else {

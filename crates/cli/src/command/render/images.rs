@@ -64,14 +64,19 @@ impl Images {
         let note = |&surface: &ObjectId| {
             let scale = request.texture(surface).curvature_scale()?;
             let most = scale.most;
+            let name = program.object_name(surface)?;
+            if scale.is_flat {
+                return Some(format!(
+                    "`{name}` shows its Gaussian curvature: it is 0 everywhere, which is white"
+                ));
+            }
             let [less, more] = match scale.is_clipped {
                 true => [" and less", " and more"],
                 false => ["", ""],
             };
             let most = number::show(number::rounded(most, 4));
             Some(format!(
-                "`{}` shows its Gaussian curvature: -{most}{less} is blue, 0 white, {most}{more} red",
-                program.object_name(surface)?
+                "`{name}` shows its Gaussian curvature: -{most}{less} is blue, 0 white, {most}{more} red"
             ))
         };
         let missing = self.missing.iter().cloned();

@@ -147,8 +147,8 @@ impl Undefined {
             let front = self.whole.strip_suffix(&self.word).unwrap_or_default();
             let found = words.into_iter().flatten().find_map(|word| {
                 let name = around.nearest(self.parameters.as_ref(), word, self.offset)?;
-                if name == front {
-                    // `cosx` is `cos x`: the rest is the mistake.
+                // In `cosx`, which is `cos x`, the rest is the mistake, unless it is the last letter once more.
+                if name == front && !front.ends_with(self.word.as_str()) {
                     return None;
                 }
                 Some((Span::new(end - word.len() as u32, end), name))
