@@ -67,8 +67,9 @@ const SAME_ELLIPSE: f64 = 1e-5;
 /// The minimum change of speed or direction at a tip, over the domain's width, that counts as a kink.
 const KINK: f64 = 1e-5;
 
-/// The distance from a tip at which the lines that leave it are examined, as a fraction of the domain's width.
-const BESIDE: f64 = 1e-5;
+/// The distances from a tip at which the lines that leave it are examined, as fractions of the domain's width: the tip of a
+/// slender surface is round only when seen from nearby.
+const BESIDE: [f64; 3] = [1e-5, 1e-5 / 16.0, 1e-5 / 256.0];
 
 /// Lines that leave a tip are straight while they turn less than this angle about it.
 const STRAIGHT: f64 = 0.5;
@@ -343,7 +344,12 @@ fn apex(
     let power = [1.0, 2.0, 0.5]
         .into_iter()
         .find(|power| (1.0 / power - 1.0 - slope).abs() < 0.02);
-    let bend = power.map_or(0.0, |power| bend(jet, domain, axis, end, power));
+    let odd = power.and_then(|power| {
+        let mut distances = BESIDE.into_iter();
+        distances.find(|off| is_odd(jet, (domain, axis, end), power, *off, is_embedded))
+    });
+    let beside = odd.unwrap_or(BESIDE[0]);
+    let bend = power.map_or(0.0, |power| bend(jet, (domain, axis, end), power, beside));
     let even = most - least <= 1e-3 * most;
     // The midpoints of equal steps integrate best a function that is smooth across the seam; Gauss points, two to a step of
     // twice the length, one that is not.
@@ -370,7 +376,7 @@ fn apex(
         bend,
         reach: (STRAIGHT / (winding.abs() * width)).min(1.0),
         smooth,
-        odd: power.is_some_and(|power| is_odd(jet, domain, axis, end, power, is_embedded)),
+        odd: odd.is_some(),
         regular: if smooth && is_embedded {
             is_ellipse(&directions)
         } else if smooth {
@@ -446,20 +452,23 @@ fn is_ellipse_by_sizes(sizes: &[f64], areas: &[f64]) -> bool {
     areas.iter().all(is_even) && sizes.iter().enumerate().all(is_fitted)
 }
 
+/// A side at which an apex is: the domain, the axis that ends there, and the end of it.
+type ApexSide = ([[f64; 2]; 2], usize, usize);
+
 /// Returns whether the lines that leave the apex continue through it without a kink: neither their speed nor their
-/// direction in the surface has a first derivative by r at r = 0. A metric determines only the speed.
+/// direction in the surface has a first derivative by r at r = 0. A metric determines only the speed. They are examined at a
+/// fraction of the domain's width off the apex.
 fn is_odd(
     jet: &dyn Fn(Uv) -> Jet,
-    domain: [[f64; 2]; 2],
-    axis: usize,
-    end: usize,
+    (domain, axis, end): ApexSide,
     power: f64,
+    beside: f64,
     is_embedded: bool,
 ) -> bool {
     let reach = (domain[axis][1] - domain[axis][0]).powf(1.0 / power);
     // The rates of speed and direction by r, relative to the speed.
     let rates = |across: f64, off: f64| {
-        let [by_r, by_rr, around] = by_radius(jet, domain, axis, end, power, across, off);
+        let [by_r, by_rr, around] = by_radius(jet, (domain, axis, end), power, across, off);
         let square = dot(by_r, by_r);
         let beside = combine(1.0, around, -dot(around, by_r) / square, by_r);
         let aside = dot(by_rr, beside) / norm(beside) / square.sqrt();
@@ -470,8 +479,8 @@ fn is_odd(
     };
     PLACES.iter().all(|&across| {
         // Eliminate the terms linear in r.
-        let near = rates(across, BESIDE);
-        let twice = rates(across, BESIDE * 2.0f64.powf(power));
+        let near = rates(across, beside);
+        let twice = rates(across, beside * 2.0f64.powf(power));
         (0..2).all(|k| ((2.0 * near[k] - twice[k]) * reach).abs() <= KINK)
     })
 }
@@ -479,9 +488,7 @@ fn is_odd(
 /// Returns σ_r, σ_rr and the tangent along the other parameter, at a fraction of the domain's width off the apex.
 fn by_radius(
     jet: &dyn Fn(Uv) -> Jet,
-    domain: [[f64; 2]; 2],
-    axis: usize,
-    end: usize,
+    (domain, axis, end): ApexSide,
     power: f64,
     across: f64,
     off: f64,
@@ -505,16 +512,11 @@ fn by_radius(
     [by_r, by_rr, around]
 }
 
-/// Returns the minimum radius of curvature of the coordinate lines that leave the apex, slightly off it, in units of r.
-fn bend(
-    jet: &dyn Fn(Uv) -> Jet,
-    domain: [[f64; 2]; 2],
-    axis: usize,
-    end: usize,
-    power: f64,
-) -> f64 {
+/// Returns the minimum radius of curvature of the coordinate lines that leave the apex, at a fraction of the domain's width off
+/// it, in units of r.
+fn bend(jet: &dyn Fn(Uv) -> Jet, side: ApexSide, power: f64, beside: f64) -> f64 {
     let radii = PLACES.map(|across| {
-        let [by_r, by_rr, _] = by_radius(jet, domain, axis, end, power, across, BESIDE);
+        let [by_r, by_rr, _] = by_radius(jet, side, power, across, beside);
         let bent = norm(cross(by_r, by_rr)) / dot(by_r, by_r);
         1.0 / bent
     });

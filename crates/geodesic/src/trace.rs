@@ -191,6 +191,8 @@ pub(crate) const FINER: f64 = 1000.0;
 /// The factor on the estimate of a single run where a comparison was requested but is impossible: such estimates may be too
 /// low by almost this factor (`an_estimate_that_cannot_be_checked_is_a_bound`).
 const UNCHECKED: f64 = 4.0;
+/// A change of the speed beyond this is no error of single steps.
+const DRIFTED: f64 = 1e-6;
 /// A ray of fewer steps is compared with one in two halves.
 const FEW: usize = 15;
 /// Two runs of the classical method whose ends are farther apart, in units of the size, have not converged.
@@ -375,7 +377,14 @@ fn compared(
     }
     // Rounding, which affects both runs independently.
     let rounding = 32.0 * f64::EPSILON * (atlas.layout.scale.size + length);
-    Some(gap + rounding)
+    // A geodesic's speed is constant. Where it is not, both runs have the same error.
+    let drift = end.speed_drift.abs();
+    let shared = if drift > DRIFTED {
+        drift * end.length
+    } else {
+        0.0
+    };
+    Some((gap + rounding).max(shared))
 }
 
 /// Returns a first step that is certainly short enough for its error to be judged.

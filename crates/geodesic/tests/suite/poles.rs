@@ -306,3 +306,34 @@ fn a_bent_pole_of_a_wide_domain_is_smooth() {
     let found = geodesic::measure::place(&by_height, [0.0, 0.0]).expect("a pole");
     assert!((found.gaussian.expect("K") - 4.0).abs() < 1e-6, "{found:?}");
 }
+
+#[test]
+fn the_pole_of_a_slender_spheroid_is_passed_and_started_from() {
+    for slenderness in [10.0, 64.0, 70.0, 100.0, 1000.0] {
+        let surface = spheroid(1.0, slenderness);
+        let beside = 0.5 * PI - 0.01;
+        // The arc length of the meridian from there to the pole, by Simpson's rule.
+        let speed = |off: f64| off.cos().hypot(slenderness * off.sin());
+        let pieces = 4000;
+        let step = 0.01 / f64::from(pieces);
+        let arc: f64 = (0..pieces)
+            .map(|k| {
+                let off = step * f64::from(k);
+                (speed(off) + 4.0 * speed(off + 0.5 * step) + speed(off + step)) * step / 6.0
+            })
+            .sum();
+        let options = Options::default();
+        let over = geodesic::trace::trace(&surface, [0.0, beside], [0.0, 1.0], 2.0 * arc, &options);
+        let up = geodesic::trace::trace(&surface, [0.0, 0.5 * PI], [0.0, 1.0], arc, &options);
+        let expected = surface.jet([-PI, beside].into()).position;
+        for end in [over, up] {
+            let end = end.expect("a start");
+            assert_eq!(end.status, Status::Complete, "{slenderness}: {end:?}");
+            let off = distance(end.position.expect("embedded"), expected);
+            assert!(
+                off < 1e-9 && off < 10.0 * end.error_estimate + 1e-12,
+                "{slenderness}: {off} {end:?}"
+            );
+        }
+    }
+}

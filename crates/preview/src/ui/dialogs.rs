@@ -37,7 +37,7 @@ pub(crate) enum Dialog {
     Help(HelpPage),
 }
 
-/// What stands before the panes: at most one dialog, a question before it, and windows that leave the keys to the panes.
+/// The dialogs before the panes: at most one that takes the keys, a question before it, and windows that leave the keys to the panes.
 #[derive(Debug, Default)]
 pub(crate) struct Dialogs {
     /// The open dialog.
