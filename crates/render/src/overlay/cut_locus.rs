@@ -25,9 +25,9 @@ use super::stroke;
 /// The most cells along an axis of a solid's box.
 const MOST_CELLS: usize = 1024;
 /// The widths of the cells of a chart's tables, as powers of two of the median step of the ends from one pixel to the next. The
-/// shorter way to an end may have longer or shorter steps around it, so it is looked up in all of them: in wider cells than
-/// its steps the kept pixel may be far away in the picture, and narrower ones may hold no pixel. Beyond the widest, the picture
-/// is too coarse for derivatives to tell ways apart.
+/// shorter way to an end may have shorter steps around it, so it is looked up in cells as wide as the steps around the end and
+/// in narrower ones: in wider cells the kept pixel may be too far away in the picture. Beyond the widest, the picture is too
+/// coarse for derivatives to tell ways apart.
 const LEVELS: RangeInclusive<i32> = -2..=2;
 /// A pixel surely lies beyond if another way is shorter by so many pixels.
 const THRESHOLD: f32 = 1.0;
@@ -335,11 +335,15 @@ pub(super) fn excess_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
         let step = step(0, du).max(step(1, dv)).log2().round();
         (step as i32).clamp(*LEVELS.start(), *LEVELS.end())
     };
-    let known = (0..entries.len()).filter(|index| entries[*index].is_some());
+    let levels: Vec<i32> = (0..entries.len()).map(level).collect();
     let mut tables: BTreeMap<i32, ChartTable> = BTreeMap::new();
-    for level in known.map(level) {
-        tables.entry(level).or_insert_with(|| {
-            let widths = [du, dv].map(|step| step * f64::from(level).exp2());
+    for (level, _) in levels
+        .iter()
+        .zip(&entries)
+        .filter(|(_, entry)| entry.is_some())
+    {
+        tables.entry(*level).or_insert_with(|| {
+            let widths = [du, dv].map(|step| step * f64::from(*level).exp2());
             ChartTable::new(&entries, (domain, sides), widths)
         });
     }
@@ -347,7 +351,8 @@ pub(super) fn excess_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
     let period = domain.map(|[low, high]| high - low);
     entries
         .par_iter()
-        .map(|entry| {
+        .zip(&levels)
+        .map(|(entry, level)| {
             let Some(entry) = entry else {
                 return 0.0;
             };
@@ -355,7 +360,8 @@ pub(super) fn excess_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
             if entry.distance < NEAR {
                 return 0.0;
             }
-            let kept = tables.values().flat_map(|table| table.around(entry.at));
+            let tables = tables.range(..=level).map(|(_, table)| table);
+            let kept = tables.flat_map(|table| table.around(entry.at));
             let kept = kept.filter_map(|index| entries[index as usize].as_ref());
             let excesses = kept.map(|kept| {
                 // The two ends share a cell, not a point: the step between them is taken the short way round.
