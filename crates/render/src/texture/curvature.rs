@@ -275,6 +275,7 @@ mod tests {
         let scale = CurvatureScale {
             most: 2.0,
             is_clipped: false,
+            is_flat: false,
         };
         assert_eq!(scale.colour(f64::NAN), UNDEFINED);
         assert_eq!(scale.colour(9.0), scale.colour(2.0));
