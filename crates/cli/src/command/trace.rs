@@ -172,7 +172,6 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     print(arguments, document, text, (trace.conjugates, trace.jacobi))
 }
 
-/// Prints what was found, with the conjugate points and the Jacobi field where the arguments ask for them.
 /// Returns the heading in radians.
 fn heading(
     arguments: &Arguments,
@@ -185,6 +184,7 @@ fn heading(
     }
 }
 
+/// Prints what was found, with the conjugate points and the Jacobi field where the arguments ask for them.
 fn print(
     arguments: &Arguments,
     mut document: TraceJson,
