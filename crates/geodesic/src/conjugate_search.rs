@@ -38,11 +38,12 @@ pub(crate) fn brackets(
         if from == 0.0 || (from > 0.0) == (to > 0.0) {
             return None;
         }
-        let (low, high) = (low * h, high * h);
+        // The field's own zero may lie beside this part, as the cubic is not the field.
+        let beside = LOOKS[1];
         Some(ZeroBracket {
-            low,
-            high,
-            at: low + (high - low) * from / (from - to),
+            low: (low - beside).max(0.0) * h,
+            high: (high + beside).min(1.0) * h,
+            at: (low + (high - low) * from / (from - to)) * h,
             falls: from > 0.0,
         })
     })
@@ -66,5 +67,34 @@ impl ZeroBracket {
         let moved = (next - self.at).abs();
         self.at = next;
         moved <= SHARP * h || value == 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_is_found_in_the_part_beside_the_one_of_the_cubic() {
+        let h = 0.5;
+        for (at, bulge) in [(0.25 + 1e-6, 0.01), (0.5 - 1e-6, -0.01), (0.6, 0.01)] {
+            // A line and what vanishes with its derivative at both ends of the step, so that the cubic is the line.
+            let field = |s: f64| {
+                let x = s / h;
+                let rest = 1.0 - x;
+                let value = x - at + bulge * (x * rest).powi(2);
+                [value, (1.0 + 2.0 * bulge * x * rest * (rest - x)) / h]
+            };
+            let mut all = brackets(h, field(0.0), field(h));
+            let mut zero = all.next().expect("a zero");
+            assert!(all.next().is_none());
+            for _ in 0..ROUNDS {
+                if zero.narrow(field(zero.at), h) {
+                    break;
+                }
+            }
+            let [off, _] = field(zero.at);
+            assert!(off.abs() < 1e-14, "{at}: {off:e} at {}", zero.at);
+        }
     }
 }

@@ -51,6 +51,8 @@ pub(crate) fn value(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
+/// The weights of Lagrange interpolation at the midpoint from ±1 and ±2 equal steps, the same on both sides: (4, −1)/6.
+pub(crate) const MIDDLE_OF_FOUR: [f64; 2] = [2.0 / 3.0, -1.0 / 6.0];
 /// The weights of Lagrange interpolation at the midpoint from ±1, ±2 and ±3 equal steps, the same on both sides: (15,
 /// −6, 1)/20.
 pub(crate) const MIDDLE_OF_SIX: [f64; 3] = [0.75, -0.3, 0.05];

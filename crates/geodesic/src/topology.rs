@@ -307,6 +307,7 @@ fn apex(
     is_embedded: bool,
 ) -> Apex {
     const SAMPLES: u32 = 64;
+    const MORE_SAMPLES: u32 = 512;
     const NEAR: f64 = 1e-6;
     const FARTHER: f64 = 1e-5;
     let share = |offset: f64| if end == 0 { offset } else { 1.0 - offset };
@@ -353,22 +354,28 @@ fn apex(
     let even = most - least <= 1e-3 * most;
     // The midpoints of equal steps integrate best a function that is smooth across the seam; Gauss points, two to a step of
     // twice the length, one that is not.
-    let middle = |n: u32| (f64::from(n) + 0.5) / f64::from(SAMPLES);
-    let gauss = |n: u32| {
-        let off = if n.is_multiple_of(2) { -1.0 } else { 1.0 } / 3.0_f64.sqrt();
-        (f64::from(n - n % 2) + 1.0 + off) / f64::from(SAMPLES)
-    };
-    let totals = [&middle as &dyn Fn(u32) -> f64, &gauss].map(|across| {
-        total_angle(power.unwrap_or(1.0), &|off| {
-            let rate = |n| {
-                let jet = jet(at(domain, place(axis, share(off), across(n))));
-                turning(&jet, axis) * period / f64::from(SAMPLES)
-            };
-            (0..SAMPLES).map(rate).sum()
+    let totals = |samples: u32| {
+        let middle = |n: u32| (f64::from(n) + 0.5) / f64::from(samples);
+        let gauss = |n: u32| {
+            let off = if n.is_multiple_of(2) { -1.0 } else { 1.0 } / 3.0_f64.sqrt();
+            (f64::from(n - n % 2) + 1.0 + off) / f64::from(samples)
+        };
+        [&middle as &dyn Fn(u32) -> f64, &gauss].map(|across| {
+            total_angle(power.unwrap_or(1.0), &|off| {
+                let rate = |n| {
+                    let jet = jet(at(domain, place(axis, share(off), across(n))));
+                    turning(&jet, axis) * period / f64::from(samples)
+                };
+                (0..samples).map(rate).sum()
+            })
         })
-    });
-    let total = totals[0];
-    let bound = (2.0 * (totals[0] - totals[1]).abs()).clamp(FULL_TURN, UNSURE);
+    };
+    let [mut total, mut other] = totals(SAMPLES);
+    if (total - other).abs() > FULL_TURN {
+        // The directions of a slender ellipse turn fast near its ends.
+        [total, other] = totals(MORE_SAMPLES);
+    }
+    let bound = (2.0 * (total - other).abs()).clamp(FULL_TURN, UNSURE);
     let smooth = power.is_some() && (total - TAU).abs() <= bound;
     Apex {
         rate: if smooth { TAU / period } else { total / period },

@@ -116,8 +116,9 @@ impl ActiveRay {
     }
 
     /// Returns the finished ray.
-    pub(super) fn finish(self) -> Ray {
+    pub(super) fn finish(self, layout: &ChartLayout) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
+        ray.end_at_return(layout);
         ray.passages = self.passages;
         ray.off = self.off;
         ray.tolerance_share = self.tolerance_share;

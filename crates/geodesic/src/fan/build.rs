@@ -225,7 +225,8 @@ impl Builder<'_> {
             self.work.rejected += ray.rejected;
             self.work.evaluations += ray.evaluations;
         }
-        Some(done.into_iter().map(ActiveRay::finish).collect())
+        let finish = |ray: ActiveRay| ray.finish(self.layout);
+        Some(done.into_iter().map(finish).collect())
     }
 
     /// Integrates rays that become part of the fan. A ray whose own error grows more than that of the others is

@@ -3,6 +3,7 @@
 
 use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile, most};
+use crate::chart::ChartLayout;
 use crate::interpolate::quintic;
 use crate::status::Status;
 use crate::step_path::range;
@@ -109,6 +110,8 @@ pub(crate) struct Sample<const D: usize = 2> {
 
 /// The maximum number of a ray's steps in which it is compared with others.
 const PROBES: usize = 24;
+/// The number of parts of each interval beyond an edge at which a ray may be back inside.
+const PARTS_BEYOND: u32 = 16;
 
 impl<const D: usize> Ray<D> {
     pub(crate) fn new(angle: f64, segments: &[Segment<D>], stop: Option<Stop>) -> Self {
@@ -304,6 +307,37 @@ impl<const D: usize> Interval<D> {
             along: rate[0].map(|x| x * by_s),
             jacobi: [value[1], rate[1].map(|x| x * by_s)],
             normal,
+        }
+    }
+}
+
+impl Ray {
+    /// Ends a ray that was continued beyond an edge before it comes back inside: there its end would be taken for that of a
+    /// geodesic, which ended at the edge.
+    pub(super) fn end_at_return(&mut self, layout: &ChartLayout) {
+        let Some(stop) = self.stop.filter(|stop| stop.status == Status::LeftDomain) else {
+            return;
+        };
+        let mut known = stop.s;
+        for interval in &self.intervals {
+            let to = interval.from + interval.length;
+            if to <= stop.s {
+                continue;
+            }
+            let from = interval.from.max(stop.s);
+            for part in 1..=PARTS_BEYOND {
+                let s = from + (to - from) * f64::from(part) / f64::from(PARTS_BEYOND);
+                let sample = interval.at(s);
+                if !sample.chart.is_plain() || layout.beyond_edge(sample.at).is_none() {
+                    (self.end, self.slack) = (known, 0.0);
+                    return;
+                }
+                known = s;
+            }
+        }
+        let beyond = |sample: Sample| layout.beyond_edge(sample.at).is_some();
+        if !self.at(self.end + self.slack).is_some_and(beyond) {
+            self.slack = 0.0;
         }
     }
 }

@@ -155,7 +155,7 @@ fn misses_a_path(
     found: &[Connection],
     wanted: f64,
 ) -> bool {
-    let is_loop = target.near_distance(source) == 0.0;
+    let is_loop = is_loop(source, target);
     let straight = MORE * target.straight_length(source.start(0.0));
     !is_loop && straight < wanted && found.first().is_none_or(|it| it.length > straight)
 }
@@ -202,7 +202,7 @@ fn both_ways<'s>(
     search: impl Fn(&RaySource<'s>, &AimedPlace<'s>) -> Connections,
 ) -> Connections {
     let mut all = search(source, target);
-    let is_loop = target.near_distance(source) == 0.0;
+    let is_loop = is_loop(source, target);
     if all.complete || is_loop {
         return all;
     }
@@ -273,6 +273,11 @@ fn ends(
         to
     };
     Ok((source, AimedPlace::new(surface, to)?))
+}
+
+/// Returns whether geodesics from the source to the target are loops.
+fn is_loop(source: &RaySource<'_>, target: &AimedPlace<'_>) -> bool {
+    is_one_place(source.surface, source.start(0.0), target.uv)
 }
 
 impl Connection {
@@ -386,10 +391,10 @@ fn search(
 ) -> Connections {
     let size = source.surface.scale().size;
     // Between a point and itself, a geodesic of length zero does not count.
-    let least = match 0.5 * target.near_distance(source) {
-        0.0 => NO_LENGTH * size,
-        half => half.min(NO_LENGTH * size),
-    };
+    let mut least = NO_LENGTH * size;
+    if !is_loop(source, target) {
+        least = least.min(0.5 * target.near_distance(source));
+    }
     let Guesses {
         found,
         within,

@@ -4,9 +4,9 @@ use std::array::from_fn;
 
 use super::MeasureError;
 use super::rescaled::Rescaled;
-use crate::chart::Atlas;
+use crate::chart::{ApexChart, Atlas};
 use crate::frame::Frame;
-use crate::interpolate::MIDDLE_OF_SIX;
+use crate::interpolate::{MIDDLE_OF_FOUR, MIDDLE_OF_SIX};
 use crate::jet::Jet;
 use crate::metric::gaussian_curvature;
 use crate::point::Uv;
@@ -80,7 +80,8 @@ fn rounded(number: f64, size: f64) -> f64 {
     }
 }
 
-/// Measures at one point. At a smooth pole, where the formulas yield 0/0, K and H are interpolated from nearby points.
+/// Measures at one point. At a smooth pole, where the formulas yield 0/0, K and H are
+/// interpolated from nearby points.
 ///
 /// # Errors
 /// [`MeasureError`] where the point is outside the domain or on a crease, or the surface is undefined.
@@ -299,31 +300,54 @@ fn without_noise(surface: &dyn Surface, jet: &Jet, values: [f64; 2]) -> [f64; 2]
     })
 }
 
-/// Returns K and H, in the chart about a pole where (u,v) loses too many digits; elsewhere NaN for what rounding leaves without
-/// two.
+/// Returns K and H; beside a pole, where the formulas lose digits, computed in whatever way has the least error. NaN for what
+/// rounding leaves without two digits.
 fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
+    /// The distances of the points for interpolation, relative to those at which the acceleration of a ray is interpolated.
+    const CLOSER: [f64; 3] = [1.0, 1.0 / 8.0, 1.0 / 64.0];
     let atlas = Atlas::new(surface);
+    let jet = surface.jet(uv);
     let Some(chart) = atlas.layout.pole_near(uv.0) else {
-        let jet = surface.jet(uv);
         return without_noise(surface, &jet, curvatures(&jet));
     };
-    // Like the acceleration of a ray there: from six points along a line.
+    if !surface.is_embedded() {
+        return interpolated(surface, chart, uv, CLOSER[0]).map(|it| it[0]);
+    }
+    let here = (curvatures(&jet), rounding(surface, &jet));
+    let here: [[f64; 2]; 2] = from_fn(|k| [here.0[k], here.1[k]]);
+    let all = CLOSER.map(|closer| interpolated(surface, chart, uv, closer));
+    // An error that is not a number is none of the least.
+    let error = |[_, error]: [f64; 2]| if error.is_nan() { f64::INFINITY } else { error };
+    let better = |a: [f64; 2], b: [f64; 2]| if error(b) < error(a) { b } else { a };
+    let best = |k: usize| {
+        all.into_iter()
+            .fold(here[k], |best, it| better(best, it[k]))
+    };
+    from_fn(|k| best(k)[0])
+}
+
+/// Returns K and H near a pole, each with its error: interpolated from six points on a line through the place and the pole, in the
+/// chart about it. The error is that of rounding at the nearest of them, and the difference to what four points give.
+fn interpolated(surface: &dyn Surface, chart: &ApexChart, uv: Uv, closer: f64) -> [[f64; 2]; 2] {
     let [a, b] = chart.point(uv.0);
     let r = a.hypot(b);
     let along = if r > 0.0 { [a / r, b / r] } else { [1.0, 0.0] };
-    let mut sum = [0.0; 2];
-    for (n, weight) in (1..).zip(MIDDLE_OF_SIX) {
+    let (mut six, mut four, mut errors) = ([0.0; 2], [0.0; 2], [0.0_f64; 2]);
+    for (n, weight) in MIDDLE_OF_SIX.into_iter().enumerate() {
         for side in [-1.0, 1.0] {
-            let offset = side * 2.0 * chart.inner() * f64::from(n);
+            let offset = side * 2.0 * closer * chart.inner() * (n + 1) as f64;
             let mut at = chart.plain_point([a + offset * along[0], b + offset * along[1]]);
             surface.sides().bring_back(surface.domain(), &mut at);
-            let values = curvatures(&surface.jet(Uv(at)));
-            for (sum, value) in sum.iter_mut().zip(values) {
-                *sum += weight * value;
+            let jet = surface.jet(Uv(at));
+            let (values, rounding) = (curvatures(&jet), rounding(surface, &jet));
+            for k in 0..2 {
+                six[k] += weight * values[k];
+                four[k] += MIDDLE_OF_FOUR.get(n).unwrap_or(&0.0) * values[k];
+                errors[k] = errors[k].max(rounding[k]);
             }
         }
     }
-    sum
+    from_fn(|k| [six[k], errors[k] + (six[k] - four[k]).abs()])
 }
 
 /// Returns K and H (do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 3-3). Each quotient is

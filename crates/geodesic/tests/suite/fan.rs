@@ -345,6 +345,31 @@ fn edges_are_where_they_are_to_a_fraction_of_a_pixel() {
 }
 
 #[test]
+fn geodesics_that_graze_an_edge_and_come_back_have_ended_there() {
+    let band = |low: f64, high: f64| {
+        let mut m = Maker::new();
+        let (u, v) = (m.u, m.v);
+        let (r, z) = (m.f(Unary::Cos, v), m.f(Unary::Sin, v));
+        let position = m.around(r, u, z);
+        m.done(position, [[-PI, PI], [low, high]])
+    };
+    for (surface, uv) in [
+        (band(-0.5, 1.0), [0.0, 0.45]),
+        (band(-0.5, 1.0), [0.0, 0.55]),
+        (band(-0.5, 1.0), [0.0, 0.3]),
+        (band(-1.2, 1.4), [0.0, 0.0]),
+    ] {
+        let frame = Frame::new(&surface, uv, 0.0, 4.0).expect("a frame");
+        let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
+        let seen = compare(&surface, &frame, SIZE, &fan, 4000);
+        let told = format!("{uv:?}: {seen:?}, {:?}", fan.work());
+        assert!(seen.ended > 400, "{told}");
+        assert_eq!(seen.wrong_status, 0, "{told}");
+        assert!(seen.max <= 0.12, "{told}");
+    }
+}
+
+#[test]
 fn places_where_the_surface_has_no_rank_or_no_value_end_rays() {
     let seen = assert_exact(&crate::shapes::cuspidal(), [0.5, 0.1], 1.0, 250);
     assert!(seen.ended > 50, "{seen:?}");

@@ -140,6 +140,73 @@ fn principal_directions_have_the_largest_and_the_smallest_curvature() {
 }
 
 #[test]
+fn a_circle_that_reaches_no_antipode_overlaps_nowhere_on_a_sphere() {
+    let surface = metric([[-PI, PI], [-PI / 2.0, PI / 2.0]], |m| {
+        let (one, zero) = (m.c(1.0), m.c(0.0));
+        let cos = m.f(expr::ops::Unary::Cos, m.v);
+        [m.mul(cos, cos), zero, one]
+    });
+    // The loops of no length at these centres are a little longer than zero.
+    for uv in [
+        [1.6423021070968638, -0.5222852005442326],
+        [2.336467979843837, -0.5078998985759732],
+        [2.955246403323663, -0.509675753383754],
+    ] {
+        for radius in [2.5, 3.1] {
+            let circle = measure::circle(&surface, uv, radius).expect("a place");
+            assert_eq!(circle.expect("a circle").overlaps, Some(false), "{uv:?}");
+        }
+        let found = measure::between(&surface, uv, uv, Some(6.0)).expect("a place");
+        assert!(found.found.is_empty(), "{found:?}");
+        // A point a few roundings away is the same point.
+        let beside = [uv[0], uv[1] * (1.0 + f64::EPSILON)];
+        let found = measure::between(&surface, uv, beside, Some(6.0)).expect("a place");
+        assert!(found.found.is_empty(), "{found:?}");
+    }
+}
+
+#[test]
+fn curvatures_beside_a_pole_are_those_of_the_formulas() {
+    // Surfaces of revolution z = a v² + b v³ + c v⁴, v being the distance from the axis.
+    for [a, b, c] in [
+        [0.0, 1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 100.0, 0.0],
+        [1.0, 0.0, 1000.0],
+    ] {
+        let mut m = Maker::new();
+        let (u, v) = (m.u, m.v);
+        let square = m.mul(v, v);
+        let cube = m.mul(square, v);
+        let fourth = m.mul(square, square);
+        let terms = [m.scale(a, square), m.scale(b, cube), m.scale(c, fourth)];
+        let sum = m.add(terms[0], terms[1]);
+        let z = m.add(sum, terms[2]);
+        let position = m.around(v, u, z);
+        let surface = m.done(position, [[0.0, TAU], [0.0, 1.0]]);
+        for r in [1e-6, 1e-5, 1e-4, 5e-4, 1e-3, 2e-3_f64] {
+            let slope = 2.0 * a * r + 3.0 * b * r.powi(2) + 4.0 * c * r.powi(3);
+            let second = 2.0 * a + 6.0 * b * r + 12.0 * c * r.powi(2);
+            let along = 1.0 + slope * slope;
+            let [bent, around] = [second / along.powf(1.5), slope / r / along.sqrt()];
+            let found = measure::place(&surface, [0.3, r]).expect("a place");
+            // With a term in v³ no derivative of K and H exists at the pole.
+            let bound = 1e-6 + 1e-4 * b;
+            // σu × σv points downwards.
+            let told = format!("{a} {b} {c} at {r}");
+            let (gaussian, mean) = (bent * around, -0.5 * (bent + around));
+            near(
+                &format!("K of {told}"),
+                found.gaussian.expect("K"),
+                gaussian,
+                bound,
+            );
+            near(&format!("H of {told}"), found.mean.expect("H"), mean, bound);
+        }
+    }
+}
+
+#[test]
 fn curvatures_are_those_of_the_formulas() {
     let [a, b, c] = [1.0, 2.0, 3.0];
     let surface = triaxial(a, b, c);

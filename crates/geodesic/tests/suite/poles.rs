@@ -4,7 +4,7 @@ use crate::shapes::*;
 use expr::ops::Unary;
 use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
-use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::surface::{ParametricSurface, Side, Surface};
 use geodesic::trace::{Options, Status};
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -334,6 +334,16 @@ fn the_pole_of_a_slender_spheroid_is_passed_and_started_from() {
                 off < 1e-9 && off < 10.0 * end.error_estimate + 1e-12,
                 "{slenderness}: {off} {end:?}"
             );
+        }
+    }
+}
+
+#[test]
+fn the_pole_of_an_ellipsoid_with_slender_sections_is_smooth() {
+    for ratio in [5.0, 6.0, 8.0, 12.0, 20.0, 40.0] {
+        for (a, b) in [(1.0, ratio), (ratio, 1.0)] {
+            let s = triaxial(a, b, 1.0);
+            assert_eq!(s.sides().v, [Side::Pole; 2], "{a} {b}");
         }
     }
 }

@@ -137,7 +137,7 @@ pub(super) fn draw(
         .iter()
         .map(|excess| f32::from(u8::from(*excess > THRESHOLD)))
         .collect();
-    let mut found: Vec<f32> = mean_around(size, &flags)
+    let mut found: Vec<f32> = mean_around(size, &flags, status)
         .into_iter()
         .map(|share| f32::from(u8::from(share > 0.5)))
         .collect();
@@ -176,7 +176,7 @@ pub(super) fn draw(
             found[index] = found[farther];
         }
     }
-    let smooth = mean_around(size, &found);
+    let smooth = mean_around(size, &found, status);
     stroke(image, ink, |index| {
         // The mean over five pixels grows by a fifth a pixel across a straight border.
         let distance = 5.0 * (smooth[index] - 0.5).abs();
@@ -189,21 +189,27 @@ pub(super) fn draw(
     count as f64 / found.len().max(1) as f64
 }
 
-/// The means over squares of 5×5 pixels.
-fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
+/// The means over those pixels of squares of 5×5 that show the surface: where it ends, it is not known what lies behind. 0 where
+/// there are none.
+fn mean_around(size: [u32; 2], values: &[f32], status: &[Status]) -> Vec<f32> {
     let [width, height] = size.map(|side| side as usize);
-    let value = |x: isize, y: isize| -> f32 {
+    let index = |x: isize, y: isize| {
         let x = x.clamp(0, width as isize - 1) as usize;
         let y = y.clamp(0, height as isize - 1) as usize;
-        values[y * width + x]
+        y * width + x
     };
     (0..width * height)
         .into_par_iter()
-        .map(|index| {
-            let (x, y) = ((index % width) as isize, (index / width) as isize);
+        .map(|at| {
+            let (x, y) = ((at % width) as isize, (at / width) as isize);
             let around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy)));
-            let sum: f32 = around.map(|(dx, dy)| value(x + dx, y + dy)).sum();
-            sum / 25.0
+            let seen = around
+                .map(|(dx, dy)| index(x + dx, y + dy))
+                .filter(|&index| status[index] == Status::Complete);
+            let (sum, count) = seen.fold((0.0_f32, 0_u8), |(sum, count), index| {
+                (sum + values[index], count + 1)
+            });
+            sum / f32::from(count.max(1))
         })
         .collect()
 }
