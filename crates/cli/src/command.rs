@@ -23,6 +23,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::builder::ValueParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::argument;
@@ -108,7 +109,8 @@ impl Arguments {
             render.args_override_self(overrides)
         });
         let words = with_show(&command, registry, words);
-        let matches = command.try_get_matches_from_mut(words.clone())?;
+        let matches = command.try_get_matches_from_mut(words.clone());
+        let matches = matches.map_err(|error| with_tip_on_render(error, &command, &words))?;
         let parsed = Self::from_arg_matches(&matches);
         let mut parsed = parsed.map_err(|error| error.format(&mut command))?;
         if let Some(Command::Render(arguments)) = &mut parsed.command {
@@ -116,6 +118,36 @@ impl Arguments {
         }
         Ok(parsed)
     }
+}
+
+/// Adds to the error about an option of `geotrace render` without that word that the command has it.
+fn with_tip_on_render(
+    mut error: clap::Error,
+    command: &clap::Command,
+    words: &[OsString],
+) -> clap::Error {
+    let other = words.iter().skip(1).find_map(|word| {
+        let found = command.find_subcommand(word)?;
+        (found.get_name() != "show").then_some(found)
+    });
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
+        return error;
+    };
+    let is_option = |it: &clap::Arg| {
+        let long = it.get_long().map(|long| format!("--{long}"));
+        let short = it.get_short().map(|short| format!("-{short}"));
+        long.as_ref() == Some(option) || short.as_ref() == Some(option)
+    };
+    let render = command.find_subcommand(render::NAME);
+    let is_of_render = render.is_some_and(|render| render.get_arguments().any(is_option));
+    if error.kind() == ErrorKind::UnknownArgument && other.is_none() && is_of_render {
+        let tip = "`geotrace render FILE -o PICTURE` draws a picture, and has this option";
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![tip.into()]),
+        );
+    }
+    error
 }
 
 /// Inserts the word `show` where a file stands in the place of a command: `geotrace FILE` is `geotrace show FILE`.
@@ -288,6 +320,28 @@ mod tests {
         }
         let parsed = Arguments::parse_with(&registry, ["geotrace", "--language", "crt"]);
         assert!(parsed.is_ok_and(|parsed| parsed.command.is_none()));
+    }
+
+    #[test]
+    fn options_of_render_without_its_name_have_a_tip() {
+        let registry = Registry::standard();
+        let error = |words: &str| {
+            let parsed = Arguments::parse_with(&registry, words.split(' '));
+            parsed.expect_err(words).to_string()
+        };
+        for words in [
+            "geotrace a.gtr -o a.png",
+            "geotrace -o a.png a.gtr",
+            "geotrace a.gtr --view geodesic",
+        ] {
+            let error = error(words);
+            assert!(error.contains("tip: `geotrace render FILE"), "{error}");
+            assert!(!error.contains("as a value"), "{error}");
+        }
+        for words in ["geotrace check a.gtr -o a.png", "geotrace a.gtr --verbose"] {
+            let error = error(words);
+            assert!(!error.contains("geotrace render FILE"), "{error}");
+        }
     }
 
     #[test]

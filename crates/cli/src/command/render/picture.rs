@@ -444,16 +444,22 @@ pub(super) fn idle_options(arguments: &Arguments, request: &PictureRequest) -> V
     let drawn = [
         ("--axes", arguments.space.axes),
         ("--hidden-lines", arguments.space.hidden_lines),
-        ("--legend", arguments.overlays.legend),
-        ("--figure", !arguments.overlays.figure.is_empty()),
-        ("--path", !arguments.overlays.path.is_empty()),
         ("--show-camera", arguments.space.show_camera.is_some()),
         ("--orthographic", arguments.space.orthographic),
     ];
-    let beside = if view.draws_lines() {
-        (&traced[..], "the traced view: add `--view traced`")
+    let of_all_others = [
+        ("--legend", arguments.overlays.legend),
+        ("--figure", !arguments.overlays.figure.is_empty()),
+        ("--path", !arguments.overlays.path.is_empty()),
+    ];
+    let beside: &[(&[(&str, bool)], &str)] = if view.draws_lines() {
+        &[(&traced, "the traced view: add `--view traced`")]
     } else {
-        (&drawn[..], "the 3D view: leave out `--view traced`")
+        let others = "the 3D view and the geodesic view: leave out `--view traced`";
+        &[
+            (&drawn, "the 3D view: leave out `--view traced`"),
+            (&of_all_others, others),
+        ]
     };
     let geodesic = "the geodesic view: add `--view geodesic`";
     let shown = match view.draws_lines() {
@@ -481,7 +487,11 @@ pub(super) fn idle_options(arguments: &Arguments, request: &PictureRequest) -> V
         let sentences = given.map(|(option, _)| format!("{option} belongs to {other}"));
         sentences.collect()
     };
-    let all = idle.iter().copied().chain(on_solid).chain([beside]);
+    let all = idle
+        .iter()
+        .copied()
+        .chain(on_solid)
+        .chain(beside.iter().copied());
     let mut notes: Vec<String> = all
         .flat_map(|(options, view)| sentences(options, view))
         .collect();
