@@ -1,9 +1,12 @@
 //! Names at objects: words over a picture in space, beside what they name, and not over each other.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use image::RgbaImage;
 use scene::Shape;
 
+use super::line_map::LineMap;
 use super::text::{self, Ink};
 use crate::bounds::ObjectCloud;
 use crate::camera::Camera;
@@ -44,6 +47,8 @@ pub(crate) struct TextLabel {
     is_centred: bool,
     /// True if something lies before what they name: then they are dim.
     is_hidden: bool,
+    /// The lines of the picture, over which they are placed only where there is no room beside them.
+    lines: Option<Arc<LineMap>>,
 }
 
 impl TextLabel {
@@ -55,6 +60,7 @@ impl TextLabel {
             words,
             is_centred: true,
             is_hidden: false,
+            lines: None,
         }
     }
 
@@ -66,6 +72,7 @@ impl TextLabel {
             words: words.into(),
             is_centred: false,
             is_hidden: false,
+            lines: None,
         }
     }
 
@@ -79,6 +86,15 @@ impl TextLabel {
     #[must_use]
     pub(crate) fn hidden(self, is_hidden: bool) -> Self {
         Self { is_hidden, ..self }
+    }
+
+    /// Returns them with the lines of the picture, beside which they are placed.
+    #[must_use]
+    pub(crate) fn clear_of(self, lines: &Arc<LineMap>) -> Self {
+        Self {
+            lines: Some(Arc::clone(lines)),
+            ..self
+        }
     }
 }
 
@@ -199,8 +215,8 @@ pub(crate) fn write(
     }
 }
 
-/// Returns the place of each label, near what it names: where one would lie over another or over the key of the picture,
-/// which is at `key`, on another side.
+/// Returns the place of each label, near what it names: where one would lie over another, over the key of the picture, which
+/// is at `key`, or over a line, on another side.
 pub(crate) fn placed(
     labels: &[TextLabel],
     request: &PictureRequest,
@@ -249,7 +265,9 @@ pub(crate) fn placed(
             !taken.iter().any(|other| overlap(&room, other))
         };
         let mut boxes = boxes.filter(is_inside);
-        let Some(place) = boxes.clone().find(is_free).or_else(|| boxes.next()) else {
+        let crossed = |b: &[f32; 4]| label.lines.as_ref().map_or(0, |lines| lines.crossed(*b));
+        let free = boxes.clone().filter(is_free);
+        let Some(place) = free.min_by_key(crossed).or_else(|| boxes.next()) else {
             continue;
         };
         // A number that would lie over another is left out: its neighbours say what it is.

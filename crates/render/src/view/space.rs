@@ -23,13 +23,14 @@ use crate::gpu::renderer::SpaceScene;
 use crate::layers::Layers;
 use crate::note::Note;
 use crate::occlusion::Occlusion;
-use crate::overlay::{self, AxesBox, KeyedCamera, OverlayObject, TextLabel, axis_height};
+use crate::overlay::{self, AxesBox, KeyedCamera, LineMap, OverlayObject, TextLabel, axis_height};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
+use crate::sample::{Painter, PositionSample, Samples};
 use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
 use crate::stated_colours::StatedColours;
@@ -623,7 +624,7 @@ pub(super) fn is_labelled(request: &PictureRequest, extras: &[OverlayObject]) ->
 }
 
 /// Returns the letters of figures; with labels, also the names of the visible objects, and that of the observer. They are
-/// dim if a surface is in front of them.
+/// dim if a surface is in front of them, and beside the lines of the picture where there is room.
 pub(super) fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -663,8 +664,67 @@ pub(super) fn labels(
     if request.overlays.labels {
         all.extend(drawn.filter_map(label));
         all.extend(overlay::here(extras, camera, &occlusion));
+        let lines = Arc::new(lines(shared, request, options, framed, camera, extras));
+        all = all.into_iter().map(|it| it.clear_of(&lines)).collect();
     }
     all
+}
+
+/// Returns where the picture has lines: curves, geodesics, vectors, and those that are drawn in addition.
+fn lines(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &SpaceOptions,
+    framed: &Framed,
+    camera: &Camera,
+    extras: &[OverlayObject],
+) -> LineMap {
+    let (scene, params) = (&request.scene, &request.params);
+    let mut lines = LineMap::new(request.size);
+    for ((id, object), content) in scene.numbered().zip(framed.contents()) {
+        let painter = Painter::for_object(scene, object);
+        if options.shows(id) && matches!(painter, Some(Painter::Curves | Painter::Vectors)) {
+            let store = &mut shared.samples;
+            let sampled = store.get(scene, params, id, content, &camera.placement);
+            add_lines(&mut lines, camera, &sampled.samples);
+        }
+    }
+    for extra in extras {
+        add_lines(&mut lines, camera, &extra.samples);
+    }
+    lines
+}
+
+/// Adds the lines of an object's samples, which are in drawing units.
+fn add_lines(lines: &mut LineMap, camera: &Camera, samples: &Samples) {
+    /// The most segments of an object that are examined.
+    const MOST_SEGMENTS: usize = 10_000;
+    let mut add = |ends: [[f64; 3]; 2]| {
+        if let [Some(a), Some(b)] = ends.map(|place| camera.pixel_of(DrawingPoint(place))) {
+            lines.add(a, b);
+        }
+    };
+    match samples {
+        Samples::Curves { count, samples } => {
+            let stride = samples.len().div_ceil(MOST_SEGMENTS).max(1);
+            for line in samples.chunks(*count as usize) {
+                let ends: Vec<&PositionSample> = line.iter().step_by(stride).collect();
+                for pair in ends.windows(2) {
+                    if pair.iter().all(|it| it.defined != 0.0) {
+                        add([pair[0], pair[1]].map(|it| it.position.map(f64::from)));
+                    }
+                }
+            }
+        }
+        Samples::Vectors(vectors) => {
+            let stride = vectors.len().div_ceil(MOST_SEGMENTS).max(1);
+            for vector in vectors.iter().step_by(stride) {
+                let [from, way] = [vector.origin, vector.direction].map(|it| it.map(f64::from));
+                add([from, [0, 1, 2].map(|k| from[k] + way[k])]);
+            }
+        }
+        Samples::Points(_) | Samples::Surfaces { .. } => {}
+    }
 }
 
 /// Returns the parameters at fractions of the domain.
