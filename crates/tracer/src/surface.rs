@@ -30,8 +30,8 @@ enum SurfaceForm {
     Higher {
         /// Sorted by the exponent of x, then of y, then of z.
         terms: Vec<([u8; 3], f64)>,
-        /// The expression, if it takes less work than the terms, and the factor from its value to the polynomial.
-        program: Option<(PolynomialProgram, f64)>,
+        /// The expression of the given polynomial, if it takes less work than the terms.
+        program: Option<PolynomialProgram>,
     },
 }
 
@@ -98,7 +98,7 @@ impl PolynomialSurface {
             // If factors are left out, the expression has a higher degree.
             let is_it = found.degree() == self.degree;
             if is_it && self.degree > HIGHEST_SHARED && found.cost() < cost {
-                *program = Some((found, self.scale));
+                *program = Some(found);
             }
         }
         self
@@ -136,10 +136,11 @@ impl PolynomialSurface {
                 return sum;
             }
             SurfaceForm::Higher {
-                program: Some((program, scale)),
+                program: Some(program),
                 ..
             } => {
-                let mut p = program.along(point, direction).map(|c| scale * c);
+                let given = program.along(point, direction);
+                let mut p = given.map(|c| self.scale * c);
                 p[self.degree + 1..].fill(0.0);
                 return p;
             }
