@@ -533,6 +533,26 @@ fn wrong_options_of_render_are_named() {
 }
 
 #[test]
+fn a_value_that_an_animation_gives_has_a_note() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = "render - --backend software -o q.gif --size 16x16 --frames 2 --animate r=0:1";
+    let run = geotrace(words.split(' ').chain(["--set", "r=0.5", "--set", "a=2"]))
+        .folder(folder.path())
+        .input("param r : [0, 1]; param a : [0, 2]; point p = (r, a, 0);")
+        .run();
+    run.expect_status(0);
+    let notes: Vec<&str> = run
+        .stderr
+        .lines()
+        .filter(|line| line.contains("--set"))
+        .collect();
+    assert_eq!(
+        notes,
+        ["note: --set r has no effect: `--animate r` gives the value in each frame"]
+    );
+}
+
+#[test]
 fn a_file_that_is_no_picture_is_no_texture() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("bad.png"), b"no picture").expect("writable");

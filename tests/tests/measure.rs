@@ -280,6 +280,8 @@ fn human_output_is_in_sentences() {
             .expect_status(0)
             .expect_text(words);
     }
+    let smallest = measure(SPHERE, "--at 0,0 --circle 1e-300");
+    assert!(!smallest.stdout.contains("NaN"), "{}", smallest.stdout);
     measure(HALF_PLANE, "--at 0,1").expect_text("a metric has no embedding");
     measure(HALF_PLANE, "--at 0,1 --circle 5")
         .expect_status(0)

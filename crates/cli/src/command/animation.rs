@@ -15,7 +15,7 @@ use render::{Note, PictureRequest};
 use scene::{FailedRun, ParamValues};
 
 use super::render::{Picture, failure as render_failure};
-use crate::argument::{self, Animated, Quantity};
+use crate::argument::{self, Animated, Assignment, Quantity};
 use crate::failure::Failure;
 use crate::interruption;
 use crate::output::{self, Inputs, OutputTarget};
@@ -149,6 +149,16 @@ impl Arguments {
             set.map_err(|error| failure(ScriptError::Set(error), program))?;
         }
         Ok(())
+    }
+
+    /// Returns notes on params that are set although the animation gives them their values.
+    pub(super) fn idle_values(&self, set: &[Assignment]) -> Vec<String> {
+        let animated = |name: &str| self.animate.iter().any(|it| it.name == name);
+        let idle = set.iter().filter(|it| animated(&it.name));
+        idle.map(|Assignment { name, .. }| {
+            format!("--set {name} has no effect: `--animate {name}` gives the value in each frame")
+        })
+        .collect()
     }
 
     /// Builds the script from the options, and checks the values at both ends and that the picture has the cameras that

@@ -221,6 +221,7 @@ fn draw(
     let request = request.map_err(|error| animation::failure(error, program))?;
     let mut notes = picture::idle_options(arguments, &request);
     notes.extend(picture::idle_colours(arguments, &request));
+    notes.extend(motion.idle_values(&arguments.set));
     notes.extend(picture::empty_space(&request.scene, &request.view));
     notes.extend(picture::partial_figures(
         arguments,

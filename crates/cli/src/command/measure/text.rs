@@ -57,6 +57,10 @@ fn error_estimates(values: [f64; 2], estimates: [f64; 2]) -> String {
 
 pub(super) fn circle(found: &Circle, radius: f64) -> String {
     let ratio = |value: f64, estimate: f64, formula: &str, flat: f64| {
+        if !flat.is_normal() {
+            // Too small for its digits.
+            return format!("{formula} = {}", show_measured(flat));
+        }
         let share = match is_vague(value, estimate) {
             true => show_estimated(value / flat, estimate / flat),
             false => format!("{:.6}", value / flat),
