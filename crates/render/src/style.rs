@@ -20,29 +20,48 @@ pub const BACKGROUND: [u8; 3] = [18, 20, 26];
 /// Points, sRGB.
 pub const POINT_COLOUR: [u8; 3] = [255, 225, 30];
 /// Vectors, sRGB, used in the order of their declarations.
-pub const VECTOR_COLOURS: [[u8; 3]; 4] = [[255, 50, 240], GREEN, ORANGE, BLUE];
+pub const VECTOR_COLOURS: [[u8; 3]; 6] = [[255, 50, 240], GREEN, ORANGE, BLUE, RED, TEAL];
 /// Curves and geodesics, sRGB, used in the order of their declarations.
-pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
+pub const CURVE_COLOURS: [[u8; 3]; 6] = [RED, BLUE, ORANGE, GREEN, PINK, TEAL];
 /// The colours of curves and geodesics in scenes that show curvature: none is close to the blue, white and red of its scale.
 /// They may also lie beside the surface, on the background.
 pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [190, 110, 0]];
 /// Points on paper, sRGB.
 pub(crate) const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
-/// Vectors on paper, sRGB, used in the order of their declarations.
-pub(crate) const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 4] =
-    [[170, 0, 160], DARK_GREEN, BROWN, DARK_BLUE];
+/// Vectors on paper, sRGB, used in the order of their declarations. The contrast of each to white is at least 3, as WCAG 2.2
+/// requires of graphical objects.
+pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 6] = [
+    PINK_ON_PAPER,
+    GREEN_ON_PAPER,
+    OCHRE_ON_PAPER,
+    BLUE_ON_PAPER,
+    RED_ON_PAPER,
+    TEAL_ON_PAPER,
+];
 /// Curves and geodesics on paper, sRGB, used in the order of their declarations.
-pub(crate) const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 4] =
-    [[200, 0, 20], DARK_BLUE, BROWN, DARK_GREEN];
+pub const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 6] = [
+    RED_ON_PAPER,
+    BLUE_ON_PAPER,
+    OCHRE_ON_PAPER,
+    GREEN_ON_PAPER,
+    PINK_ON_PAPER,
+    TEAL_ON_PAPER,
+];
 /// The colours of curves and geodesics on paper in scenes that show curvature.
-pub(crate) const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] =
-    [[30, 30, 36], DARK_GREEN, BROWN];
-const DARK_BLUE: [u8; 3] = [0, 90, 200];
-const BROWN: [u8; 3] = [170, 85, 0];
-const DARK_GREEN: [u8; 3] = [0, 120, 65];
+pub const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] =
+    [[30, 30, 36], [0, 120, 65], [170, 85, 0]];
+const RED: [u8; 3] = [255, 45, 40];
 const BLUE: [u8; 3] = [70, 150, 255];
 const ORANGE: [u8; 3] = [255, 165, 30];
 const GREEN: [u8; 3] = [0, 205, 120];
+const PINK: [u8; 3] = [241, 65, 183];
+const TEAL: [u8; 3] = [52, 118, 117];
+const RED_ON_PAPER: [u8; 3] = [191, 21, 6];
+const BLUE_ON_PAPER: [u8; 3] = [54, 115, 255];
+const OCHRE_ON_PAPER: [u8; 3] = [189, 133, 44];
+const GREEN_ON_PAPER: [u8; 3] = [59, 160, 127];
+const PINK_ON_PAPER: [u8; 3] = [224, 86, 216];
+const TEAL_ON_PAPER: [u8; 3] = [0, 95, 92];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 

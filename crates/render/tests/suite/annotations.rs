@@ -462,11 +462,19 @@ fn colours_of_lines_stay_apart_for_the_colour_blind_and_on_curvature() {
         let [a, b] = [a, b].map(|it| seen_by(it, kind).map(|x| x.powf(1.0 / 2.4)));
         (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt()
     };
-    let groups: [&[[u8; 3]]; 3] = [
+    let groups: [&[[u8; 3]]; 6] = [
         &style::VECTOR_COLOURS,
         &style::CURVE_COLOURS,
         &style::CURVE_COLOURS_ON_CURVATURE,
+        &style::VECTOR_COLOURS_ON_PAPER,
+        &style::CURVE_COLOURS_ON_PAPER,
+        &style::CURVE_COLOURS_ON_CURVATURE_ON_PAPER,
     ];
+    for colour in style::CURVE_COLOURS_ON_PAPER {
+        let [r, g, b] = style::linear(colour);
+        let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
+        assert!(contrast >= 3.0, "{colour:?}: {contrast}");
+    }
     for kind in [&TYPICAL, &NO_RED, &NO_GREEN] {
         for group in groups {
             for (k, a) in group.iter().enumerate() {
