@@ -1145,8 +1145,16 @@ fn a_walk_ends_on_an_edge_or_says_that_it_is_too_long() {
             .run()
     };
     let plane = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
-    for length in ["0.999", "1", "5"] {
-        draw(plane, "0", length).expect_status(0);
+    let note = "the walk ends at an edge of the surface, after 1\n";
+    for (length, is_cut) in [("0.999", false), ("1", false), ("5", true), ("-5", true)] {
+        let run = draw(plane, "0", length);
+        run.expect_status(0);
+        assert_eq!(
+            run.stderr.contains(note),
+            is_cut,
+            "{length}: {}",
+            run.stderr
+        );
     }
     let sphere =
         "surface s(u, v) = (cosu cosv, sinu cosv, sinv), u : [-pi, pi], v : [-pi/2, pi/2];";

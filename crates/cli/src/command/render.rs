@@ -23,6 +23,7 @@ use super::animation::{self, Animation};
 use crate::argument::{self, Assignment, Choice, Format, ObjectColour, Size, TextureFile};
 use crate::failure::Failure;
 use crate::interruption;
+use crate::number::show_measured;
 use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
@@ -222,6 +223,13 @@ fn draw(
     let mut notes = picture::idle_options(arguments, &request);
     notes.extend(picture::idle_colours(arguments, &request));
     notes.extend(motion.idle_values(&arguments.set));
+    let reached = script.walk_ends_after(&request);
+    if let Some(reached) = reached.map_err(|error| animation::failure(error, program))? {
+        notes.push(format!(
+            "the walk ends at an edge of the surface, after {}",
+            show_measured(reached)
+        ));
+    }
     notes.extend(picture::empty_space(&request.scene, &request.view));
     notes.extend(picture::partial_figures(
         arguments,

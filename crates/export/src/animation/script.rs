@@ -62,6 +62,8 @@ impl Course {
 
 /// The number of frames whose bounds determine a fixed camera.
 const LOOKS: u32 = 9;
+/// A walk that is shorter by this fraction is a whole one.
+const ROUNDING: f64 = 1e-9;
 
 /// A param or grid that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,6 +143,24 @@ impl Script {
         Ok(request)
     }
 
+    /// Returns the distance after which the walk ends at an edge, if that is before its end.
+    ///
+    /// # Errors
+    /// See [`ScriptError`].
+    pub fn walk_ends_after(&self, request: &PictureRequest) -> Result<Option<f64>, ScriptError> {
+        let Some(length) = self.walk else {
+            return Ok(None);
+        };
+        let still = Self {
+            walk: None,
+            ..self.clone()
+        };
+        let mut end = still.moved(request, 1.0)?;
+        let reached = self.move_camera(&mut end, length);
+        let reached = reached.map_err(ScriptError::Camera)?;
+        Ok(reached.filter(|reached| *reached < length.abs() * (1.0 - ROUNDING)))
+    }
+
     /// Fixes a camera in space: if the request does not specify one, it is placed so that it sees every frame of the
     /// animation. Other requests are returned unchanged.
     ///
@@ -217,9 +237,14 @@ impl Script {
         is_free && !self.turntable && stage.any(|it| matches!(it.shape, Shape::Camera(_)))
     }
 
-    fn move_camera(&self, request: &mut PictureRequest, length: f64) -> Result<(), RenderError> {
+    /// Moves the camera; returns the distance for which it moves, which is shorter if it meets an edge; `None` on a solid.
+    fn move_camera(
+        &self,
+        request: &mut PictureRequest,
+        length: f64,
+    ) -> Result<Option<f64>, RenderError> {
         let Some(camera) = request.view.shown_camera().copied() else {
-            return Ok(());
+            return Ok(None);
         };
         camera.check(&request.scene)?;
         if request.scene.is_solid(camera.surface) {
@@ -227,7 +252,7 @@ impl Script {
             let placed = PlacedSolidCamera::new(scene, params, &camera, request.size)?;
             let moved = placed.walked([length / placed.frame.zoom(), 0.0])?;
             request.view.show_camera(moved);
-            return Ok(());
+            return Ok(None);
         }
         let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
         let start = placed.frame;
@@ -242,7 +267,7 @@ impl Script {
         if self.trail {
             request.trails.push(trail.into());
         }
-        Ok(())
+        Ok(Some(trace.length))
     }
 }
 
