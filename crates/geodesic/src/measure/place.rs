@@ -80,8 +80,7 @@ fn rounded(number: f64, size: f64) -> f64 {
     }
 }
 
-/// Measures at one point. At a smooth pole, where the formulas yield 0/0, K and H are
-/// interpolated from nearby points.
+/// Measures at one point. At a smooth pole, where the formulas yield 0/0, K and H are interpolated from nearby points.
 ///
 /// # Errors
 /// [`MeasureError`] where the point is outside the domain or on a crease, or the surface is undefined.

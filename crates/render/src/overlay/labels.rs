@@ -265,9 +265,12 @@ pub(crate) fn placed(
             !taken.iter().any(|other| overlap(&room, other))
         };
         let mut boxes = boxes.filter(is_inside);
-        let crossed = |b: &[f32; 4]| label.lines.as_ref().map_or(0, |lines| lines.crossed(*b));
-        let free = boxes.clone().filter(is_free);
-        let Some(place) = free.min_by_key(crossed).or_else(|| boxes.next()) else {
+        let lines = label.lines.as_ref();
+        let is_clear = |b: &[f32; 4]| lines.is_none_or(|lines| !lines.crosses(*b));
+        let mut free = boxes.clone().filter(is_free);
+        // Where lines are everywhere, a place that does not change from frame to frame.
+        let place = free.clone().find(is_clear).or_else(|| free.next());
+        let Some(place) = place.or_else(|| boxes.next()) else {
             continue;
         };
         // A number that would lie over another is left out: its neighbours say what it is.

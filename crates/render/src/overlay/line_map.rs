@@ -1,5 +1,5 @@
-//! The parts of a picture that lines cross. In: segments. Out: how much of a rectangle they cross, so that words are placed
-//! beside them.
+//! The parts of a picture that lines cross. In: segments. Out: whether they cross a rectangle, so that words are placed beside
+//! them.
 
 use crate::point::PixelPoint;
 
@@ -54,18 +54,17 @@ impl LineMap {
         }
     }
 
-    /// Returns the number of cells of a part of the picture (left, top, right, bottom in pixels) that lines cross.
-    pub(crate) fn crossed(&self, [left, top, right, bottom]: [f32; 4]) -> usize {
+    /// Returns true if a line crosses a part of the picture: left, top, right, bottom in pixels.
+    pub(crate) fn crosses(&self, [left, top, right, bottom]: [f32; 4]) -> bool {
         // (A conversion saturates.)
         let cell = |x: f32| (f64::from(x) / CELL) as usize;
         let end = |x: f32, k: usize| (cell(x) + 1).min(self.cells[k]);
-        let rows = cell(top)..end(bottom, 1);
+        let mut rows = cell(top)..end(bottom, 1);
         let columns = cell(left)..end(right, 0);
-        rows.map(|row| {
-            let cells = columns.clone().map(|column| row * self.cells[0] + column);
-            cells.filter(|cell| self.is_crossed[*cell]).count()
+        rows.any(|row| {
+            let mut cells = columns.clone().map(|column| row * self.cells[0] + column);
+            cells.any(|cell| self.is_crossed[cell])
         })
-        .sum()
     }
 }
 
@@ -76,11 +75,8 @@ mod tests {
     #[test]
     fn a_segment_crosses_the_cells_along_it() {
         let mut map = LineMap::new([100, 80]);
-        // From far outside, through the middle of the picture.
-        map.add(PixelPoint([-1e9, 42.0]), PixelPoint([1e9, 42.0]));
-        assert_eq!(map.crossed([0.0, 0.0, 100.0, 80.0]), 25);
-        assert_eq!(map.crossed([0.0, 44.0, 100.0, 80.0]), 0);
-        assert_eq!(map.crossed([40.0, 30.0, 47.0, 50.0]), 2);
+        let [whole, below] = [[0.0, 0.0, 100.0, 80.0], [0.0, 44.0, 100.0, 80.0]];
+        // Nothing of these is in the picture.
         for [a, b] in [
             [[-5.0, -5.0], [-1.0, 90.0]],
             [[10.0, 200.0], [90.0, 200.0]],
@@ -89,8 +85,15 @@ mod tests {
         ] {
             map.add(PixelPoint(a), PixelPoint(b));
         }
-        assert_eq!(map.crossed([0.0, 0.0, 100.0, 80.0]), 25);
-        map.add(PixelPoint([10.0, 10.0]), PixelPoint([10.0, 10.0]));
-        assert_eq!(map.crossed([8.0, 8.0, 11.0, 11.0]), 1);
+        assert!(!map.crosses(whole));
+        // From far outside, through the middle of the picture.
+        map.add(PixelPoint([-1e9, 42.0]), PixelPoint([1e9, 42.0]));
+        assert!(map.crosses(whole) && !map.crosses(below));
+        for column in 0..25 {
+            let left = 4.0 * column as f32;
+            assert!(map.crosses([left, 40.0, left + 1.0, 41.0]), "{column}");
+        }
+        map.add(PixelPoint([10.0, 60.0]), PixelPoint([10.0, 60.0]));
+        assert!(map.crosses([8.0, 58.0, 11.0, 61.0]) && map.crosses(below));
     }
 }
