@@ -28,12 +28,11 @@ pub const CURVE_COLOURS: [[u8; 3]; 6] = [RED, BLUE, ORANGE, GREEN, PINK, TEAL];
 pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [190, 110, 0]];
 /// Points on paper, sRGB.
 pub(crate) const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
-/// Vectors on paper, sRGB, used in the order of their declarations. The contrast of each to white is at least 3, as WCAG 2.2
-/// requires of graphical objects.
+/// Vectors on paper, sRGB, used in the order of their declarations. The contrast of each to white is at least 4.5.
 pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 6] = [
     PINK_ON_PAPER,
     GREEN_ON_PAPER,
-    OCHRE_ON_PAPER,
+    RUST_ON_PAPER,
     BLUE_ON_PAPER,
     RED_ON_PAPER,
     TEAL_ON_PAPER,
@@ -42,7 +41,7 @@ pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 6] = [
 pub const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 6] = [
     RED_ON_PAPER,
     BLUE_ON_PAPER,
-    OCHRE_ON_PAPER,
+    RUST_ON_PAPER,
     GREEN_ON_PAPER,
     PINK_ON_PAPER,
     TEAL_ON_PAPER,
@@ -56,12 +55,12 @@ const ORANGE: [u8; 3] = [255, 165, 30];
 const GREEN: [u8; 3] = [0, 205, 120];
 const PINK: [u8; 3] = [241, 65, 183];
 const TEAL: [u8; 3] = [52, 118, 117];
-const RED_ON_PAPER: [u8; 3] = [191, 21, 6];
-const BLUE_ON_PAPER: [u8; 3] = [54, 115, 255];
-const OCHRE_ON_PAPER: [u8; 3] = [189, 133, 44];
-const GREEN_ON_PAPER: [u8; 3] = [59, 160, 127];
-const PINK_ON_PAPER: [u8; 3] = [224, 86, 216];
-const TEAL_ON_PAPER: [u8; 3] = [0, 95, 92];
+const RED_ON_PAPER: [u8; 3] = [156, 21, 3];
+const BLUE_ON_PAPER: [u8; 3] = [6, 89, 220];
+const RUST_ON_PAPER: [u8; 3] = [189, 88, 28];
+const GREEN_ON_PAPER: [u8; 3] = [64, 131, 87];
+const PINK_ON_PAPER: [u8; 3] = [202, 57, 164];
+const TEAL_ON_PAPER: [u8; 3] = [12, 84, 97];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 

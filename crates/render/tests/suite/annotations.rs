@@ -471,9 +471,8 @@ fn colours_of_lines_stay_apart_for_the_colour_blind_and_on_curvature() {
         &style::CURVE_COLOURS_ON_CURVATURE_ON_PAPER,
     ];
     for colour in style::CURVE_COLOURS_ON_PAPER {
-        let [r, g, b] = style::linear(colour);
-        let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
-        assert!(contrast >= 3.0, "{colour:?}: {contrast}");
+        let contrast = contrast_with_white(colour);
+        assert!(contrast >= 4.5, "{colour:?}: {contrast}");
     }
     for kind in [&TYPICAL, &NO_RED, &NO_GREEN] {
         for group in groups {
