@@ -311,9 +311,11 @@ pub(super) fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use scene::ParamValues;
 
-    use super::{PixelPoint, TextLabel, axis_height, placed};
+    use super::{LineMap, PixelPoint, TextLabel, axis_height, placed};
     use crate::PictureRequest;
     use crate::request::part::SpaceOptions;
 
@@ -342,5 +344,35 @@ mod tests {
                 "{at_rest} at rest, {coarse}"
             );
         }
+    }
+
+    #[test]
+    fn words_stand_beside_lines_where_there_is_room() {
+        let scene = scene::geotrace::compile("point p = (0, 0, 0);").scene;
+        let scene = scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let request = PictureRequest::new(scene, params, SpaceOptions::default(), [400; 2]);
+        let corner = |segments: &[[[f64; 2]; 2]]| {
+            let mut lines = LineMap::new([400; 2]);
+            for ends in segments {
+                let [a, b] = ends.map(PixelPoint);
+                lines.add(a, b);
+            }
+            let label = TextLabel::beside(PixelPoint([200.0, 200.0]), "p");
+            placed(&[label.clear_of(&Arc::new(lines))], &request, None)[0].corner
+        };
+        let usual = corner(&[]);
+        assert!(usual[0] > 200.0 && usual[1] < 200.0, "{usual:?}");
+        // A line to the upper right.
+        let below = corner(&[[[200.0, 200.0], [300.0, 150.0]]]);
+        assert!(below[0] > 200.0 && below[1] > 200.0, "{below:?}");
+        let left = corner(&[
+            [[200.0, 200.0], [300.0, 150.0]],
+            [[200.0, 200.0], [300.0, 250.0]],
+        ]);
+        assert!(left[0] < 200.0, "{left:?}");
+        let rows = (0..100).map(|k| [[0.0, 4.0 * f64::from(k)], [400.0, 4.0 * f64::from(k)]]);
+        let rows: Vec<[[f64; 2]; 2]> = rows.collect();
+        assert_eq!(corner(&rows), usual);
     }
 }

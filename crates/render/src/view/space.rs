@@ -25,12 +25,12 @@ use crate::note::Note;
 use crate::occlusion::Occlusion;
 use crate::overlay::{self, AxesBox, KeyedCamera, LineMap, OverlayObject, TextLabel, axis_height};
 use crate::placement::Placement;
-use crate::plan::{Plan, object_plan};
+use crate::plan::{self, Plan, object_plan};
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
-use crate::sample::{Painter, PositionSample, Samples};
+use crate::sample::{Painter, Samples};
 use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
 use crate::stated_colours::StatedColours;
@@ -679,11 +679,14 @@ fn lines(
     camera: &Camera,
     extras: &[OverlayObject],
 ) -> LineMap {
+    /// An object with more samples is left out: it may cover its part of the picture, and on a GPU its samples are not here.
+    const MOST_SAMPLES: u64 = 50_000;
     let (scene, params) = (&request.scene, &request.params);
     let mut lines = LineMap::new(request.size);
     for ((id, object), content) in scene.numbered().zip(framed.contents()) {
         let painter = Painter::for_object(scene, object);
-        if options.shows(id) && matches!(painter, Some(Painter::Curves | Painter::Vectors)) {
+        let is_line = matches!(painter, Some(Painter::Curves | Painter::Vectors));
+        if is_line && options.shows(id) && plan::samples(scene, params, object) <= MOST_SAMPLES {
             let store = &mut shared.samples;
             let sampled = store.get(scene, params, id, content, &camera.placement);
             add_lines(&mut lines, camera, &sampled.samples);
@@ -697,8 +700,6 @@ fn lines(
 
 /// Adds the lines of an object's samples, which are in drawing units.
 fn add_lines(lines: &mut LineMap, camera: &Camera, samples: &Samples) {
-    /// The most segments of an object that are examined.
-    const MOST_SEGMENTS: usize = 10_000;
     let mut add = |ends: [[f64; 3]; 2]| {
         if let [Some(a), Some(b)] = ends.map(|place| camera.pixel_of(DrawingPoint(place))) {
             lines.add(a, b);
@@ -706,19 +707,16 @@ fn add_lines(lines: &mut LineMap, camera: &Camera, samples: &Samples) {
     };
     match samples {
         Samples::Curves { count, samples } => {
-            let stride = samples.len().div_ceil(MOST_SEGMENTS).max(1);
-            for line in samples.chunks(*count as usize) {
-                let ends: Vec<&PositionSample> = line.iter().step_by(stride).collect();
-                for pair in ends.windows(2) {
-                    if pair.iter().all(|it| it.defined != 0.0) {
-                        add([pair[0], pair[1]].map(|it| it.position.map(f64::from)));
-                    }
+            let lines = samples.chunks(*count as usize);
+            for pair in lines.flat_map(|line| line.windows(2)) {
+                let is_interrupted = pair[0].is_last() || pair.iter().any(|it| it.defined == 0.0);
+                if !is_interrupted {
+                    add([pair[0], pair[1]].map(|it| it.position.map(f64::from)));
                 }
             }
         }
         Samples::Vectors(vectors) => {
-            let stride = vectors.len().div_ceil(MOST_SEGMENTS).max(1);
-            for vector in vectors.iter().step_by(stride) {
+            for vector in vectors {
                 let [from, way] = [vector.origin, vector.direction].map(|it| it.map(f64::from));
                 add([from, [0, 1, 2].map(|k| from[k] + way[k])]);
             }
